@@ -1,0 +1,26 @@
+"""Metrics and consistency diagnostics for target tracking and state estimation.
+
+A Rust core under a thin Python package: the functions of ``pytcl.performance_evaluation`` with the
+same names and the same numbers. Truth comes first, then estimates; what is undefined is NaN.
+
+>>> import trackmetrics
+>>> trackmetrics.ospa([[0.0, 0.0], [10.0, 10.0]], [[1.0, 0.0], [10.0, 11.0]], c=100, p=2).ospa
+1.0
+"""
+
+from trackmetrics._backend import backend, set_threads, threads, use_backend
+from trackmetrics._version import __version__
+from trackmetrics.consistency import nees
+from trackmetrics.point_sets import ospa
+from trackmetrics.results import OSPAResult
+
+__all__ = [
+    "OSPAResult",
+    "__version__",
+    "backend",
+    "nees",
+    "ospa",
+    "set_threads",
+    "threads",
+    "use_backend",
+]

@@ -1,0 +1,12 @@
+"""The NumPy twins of the Rust kernels: same names, same parameters, same errors, same numbers.
+
+Each is short enough to be the explanation of its kernel. The files are the rooms of the Rust core,
+so the listing of this folder is the list of kernels.
+"""
+
+from trackmetrics._numpy.consistency import nees
+from trackmetrics._numpy.point_sets import ospa
+from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
+from trackmetrics._version import __version__
+
+__all__ = ["__version__", "nees", "ospa", "set_simd", "set_threads", "simd", "threads"]

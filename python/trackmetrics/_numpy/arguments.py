@@ -1,0 +1,34 @@
+"""Argument checks that every twin shares; the Rust core does the same where it borrows."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmetrics import errors
+
+Floats = NDArray[np.float64]
+
+
+def plain(*arrays: Any) -> None:
+    """Refuse what is not a C-ordered float64 array: the public function converts it."""
+    for array in arrays:
+        if (
+            type(array) is not np.ndarray
+            or array.dtype != np.float64
+            or not array.flags.c_contiguous
+        ):
+            raise errors.NotPlain
+
+
+def finite(argument: str, points: Floats) -> None:
+    """Refuse a point with a coordinate that is NaN or infinite."""
+    if not np.isfinite(points).all():
+        i, k = np.argwhere(~np.isfinite(points))[0]
+        raise errors.not_finite(argument, [i], points[i, k])
+
+
+def positive(argument: str, value: float) -> None:
+    """Refuse NaN and what is not above zero."""
+    if not value > 0:
+        raise errors.parameter(argument, "positive", value)

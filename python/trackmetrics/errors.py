@@ -1,0 +1,74 @@
+"""What can be wrong with an argument: the Python side of the one table of messages.
+
+The Rust core has the same texts in ``rust/core/src/error.rs``; a test holds the two against each
+other, so that a message does not depend on the backend.
+"""
+
+from collections.abc import Sequence
+
+
+class NotPlain(TypeError):  # noqa: N818 - a signal between two floors, not a user's error
+    """An argument is not in the form that a kernel reads by itself.
+
+    Internal: the public function converts the argument and calls the kernel again.
+    """
+
+
+def place(index: Sequence[int]) -> str:
+    """An index as Python writes it: ``[3][1]``."""
+    return "".join(f"[{i}]" for i in index)
+
+
+def not_finite(argument: str, index: Sequence[int], value: float) -> ValueError:
+    """A value that must be finite is not."""
+    return ValueError(f"{argument}{place(index)} is not finite: {float(value)!r}")
+
+
+def dimension(argument: str, index: Sequence[int], found: int, expected: int) -> ValueError:
+    """A point has another number of coordinates than the points before it."""
+    return ValueError(f"{argument}{place(index)} has {found} coordinates, expected {expected}")
+
+
+def parameter(argument: str, requirement: str, value: float) -> ValueError:
+    """A number outside the range that the definition allows."""
+    return ValueError(f"{argument} must be {requirement}, got {float(value)!r}")
+
+
+def length(argument: str, found: int, other: str, expected: int, unit: str) -> ValueError:
+    """Two sequences that must be equally long are not."""
+    return ValueError(f"{argument} has {found} {unit}, {other} has {expected}")
+
+
+def shape(argument: str, found: Sequence[int], expected: str) -> ValueError:
+    """An array has a shape that the function does not take."""
+    return ValueError(f"{argument} has shape {tuple(found)}, expected {expected}")
+
+
+def offsets(argument: str, points: int) -> ValueError:
+    """Offsets of packed sets that do not rise from 0 to the number of points."""
+    return ValueError(f"{argument}: starts must rise from 0 to {points}, the number of points")
+
+
+def not_symmetric(argument: str, index: Sequence[int], row: int, column: int) -> ValueError:
+    """A covariance whose two triangles disagree."""
+    return ValueError(
+        f"{argument}{place(index)} is not symmetric: "
+        f"elements [{row}, {column}] and [{column}, {row}] differ"
+    )
+
+
+def not_positive_definite(argument: str, index: Sequence[int], minor: int) -> ValueError:
+    """A covariance that is not positive definite."""
+    from numpy.linalg import LinAlgError
+
+    return LinAlgError(f"{argument}{place(index)} is not positive definite (leading minor {minor})")
+
+
+def invalid_costs() -> ValueError:
+    """A cost matrix with an element that no assignment can use."""
+    return ValueError("matrix contains invalid numeric entries")
+
+
+def infeasible() -> ValueError:
+    """A cost matrix in which every complete assignment has an infinite cost."""
+    return ValueError("cost matrix is infeasible")

@@ -1,0 +1,3 @@
+//! Quadratic forms of many small covariances.
+
+pub mod quadratic_form;

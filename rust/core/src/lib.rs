@@ -1,0 +1,26 @@
+//! Metrics and consistency diagnostics for target tracking and state estimation.
+//!
+//! The rooms, each importing only rooms above it in this list:
+//!
+//! | room | what it holds |
+//! | --- | --- |
+//! | [`error`], [`points`], [`threads`], [`simd`] | errors with numbers in them; borrowed point sets; the pool; the width chosen at run time |
+//! | [`assignment`] | who is matched with whom, at the least total cost |
+//! | [`point_sets`] | distances between finite sets of points |
+//! | [`consistency`] | quadratic forms of many small covariances |
+//!
+//! Nothing in this crate knows Python, draws random numbers, or panics on bad input: what can be
+//! wrong with an argument is an [`Error`].
+
+#![forbid(unsafe_code)]
+
+pub mod assignment;
+pub mod consistency;
+pub mod error;
+pub mod point_sets;
+pub mod points;
+pub mod simd;
+pub mod threads;
+
+pub use error::{Error, Result};
+pub use points::{Frames, Points};

@@ -1,0 +1,3 @@
+//! Distances between finite sets of points.
+
+pub mod ospa;

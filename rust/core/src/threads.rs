@@ -1,0 +1,108 @@
+//! One pool of threads of our own, and how wide it may be.
+//!
+//! Linux forks: a child inherits the pool's memory but not its threads, and work handed to it
+//! would wait for ever. The pool is therefore tagged with the process that built it; in a child
+//! the first parallel call builds a new one.
+//!
+//! Work is split over frames, runs or matrices only and every item writes its own place of the
+//! output, so that a result has the same bits with one thread or with many.
+
+use rayon::ThreadPool;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// 0 stands for "as many as the machine has".
+static THREADS: AtomicUsize = AtomicUsize::new(0);
+static POOL: Mutex<Option<Pool>> = Mutex::new(None);
+
+struct Pool {
+    process: u32,
+    threads: usize,
+    pool: Arc<ThreadPool>,
+}
+
+/// Lets kernels use at most this many threads; 0 for as many as the machine has.
+pub fn set_threads(threads: usize) {
+    THREADS.store(threads, Ordering::Relaxed);
+}
+
+/// How many threads a kernel may use.
+pub fn threads() -> usize {
+    match THREADS.load(Ordering::Relaxed) {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        threads => threads,
+    }
+}
+
+/// The pool of this process, or `None` where one thread is all there is to be had.
+fn pool() -> Option<Arc<ThreadPool>> {
+    let (threads, process) = (threads(), std::process::id());
+    if threads < 2 {
+        return None;
+    }
+    // A poisoned lock holds a pool all the same: nothing is half written here.
+    let mut slot = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(pool) = slot.as_ref().filter(|p| p.process == process && p.threads == threads) {
+        return Some(Arc::clone(&pool.pool));
+    }
+    let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
+    // The parent's pool has no threads here: dropping it would wait for them.
+    if let Some(old) = slot.replace(Pool { process, threads, pool: Arc::clone(&pool) })
+        && old.process != process
+    {
+        std::mem::forget(old);
+    }
+    Some(pool)
+}
+
+/// Cuts `output` into consecutive pieces of at least `least` items and fills each by
+/// `fill(first, piece)`, in parallel where there is more than one piece and more than one thread.
+///
+/// The first error in the order of the items is returned, whichever thread met it.
+pub fn fill<T, E, F>(output: &mut [T], least: usize, fill: F) -> std::result::Result<(), E>
+where
+    T: Send,
+    E: Send,
+    F: Fn(usize, &mut [T]) -> std::result::Result<(), E> + Sync,
+{
+    let items = output.len();
+    let pieces = (items / least.max(1)).min(4 * threads());
+    let pool = if pieces < 2 { None } else { pool() };
+    let Some(pool) = pool else {
+        return fill(0, output);
+    };
+    let size = items.div_ceil(pieces);
+    let mut results: Vec<std::result::Result<(), E>> = Vec::with_capacity(pieces);
+    pool.install(|| {
+        use rayon::prelude::*;
+        output
+            .par_chunks_mut(size)
+            .enumerate()
+            .with_max_len(1)
+            .map(|(i, piece)| fill(i * size, piece))
+            .collect_into_vec(&mut results);
+    });
+    results.into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_item_is_filled_once_and_the_first_error_wins() {
+        for n in [0, 1, 7, 1000] {
+            let mut output = vec![0usize; n];
+            fill::<_, (), _>(&mut output, 10, |first, piece| {
+                piece.iter_mut().enumerate().for_each(|(i, x)| *x += first + i);
+                Ok(())
+            })
+            .unwrap();
+            assert!(output.iter().enumerate().all(|(i, &x)| i == x));
+        }
+        let failed = fill(&mut [0u8; 1000], 10, |first, piece| {
+            (first + piece.len() <= 300).then_some(()).ok_or(first)
+        });
+        assert!(failed.is_err_and(|first| first <= 300));
+    }
+}

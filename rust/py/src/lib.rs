@@ -1,0 +1,39 @@
+//! `trackmetrics._native`: the Rust kernels, as Python sees them.
+//!
+//! Every function here borrows its arguments, lets go of the interpreter where the work is worth
+//! it, calls one function of `trackmetrics-core`, and converts what comes back. There is no
+//! arithmetic in this crate.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `lists` | reading NumPy arrays and lists of them; the only `unsafe` code |
+//! | `convert` | the argument types that kernels take |
+//! | `error` | core errors as Python exceptions |
+//! | the rest | one thin file for each room of core |
+
+#![deny(unsafe_code)]
+// PyO3's macros write the documentation of what they generate.
+#![allow(missing_docs)]
+
+mod consistency;
+mod convert;
+mod error;
+mod lists;
+mod point_sets;
+mod settings;
+
+#[pyo3::pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::{
+        consistency::nees,
+        point_sets::ospa,
+        settings::{set_simd, set_threads, simd, threads},
+    };
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}
