@@ -3,6 +3,7 @@
 
 PYTHON ?= python3
 VENV := .venv
+TESTS := tests docs README.md
 PY := $(VENV)/bin/python
 WHEEL_INPUTS := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.pyi' -o -name '*.toml' | grep -v __pycache__) \
 	Cargo.toml Cargo.lock pyproject.toml
@@ -18,8 +19,8 @@ test-rust:
 	cargo test --workspace --locked --quiet
 
 test-python: $(VENV)/installed
-	TRACKMETRICS_BACKEND=native $(PY) -m pytest
-	TRACKMETRICS_BACKEND=numpy $(PY) -m pytest
+	TRACKMETRICS_BACKEND=native $(PY) -m pytest --pyargs trackmetrics $(TESTS)
+	TRACKMETRICS_BACKEND=numpy $(PY) -m pytest --pyargs trackmetrics $(TESTS)
 
 lint: $(VENV)/installed
 	cargo fmt --all --check
