@@ -122,7 +122,16 @@ def _repeat(call: Callable[[], object], loops: int) -> float:
 
 def machine() -> dict[str, object]:
     """Where and with what the figures were measured."""
-    packages = ["numpy", "scipy", "nrl-tracker", "lapx", "stonesoup", "motmetrics", "trackeval", "filterpy"]
+    packages = [
+        "numpy",
+        "scipy",
+        "nrl-tracker",
+        "lapx",
+        "stonesoup",
+        "motmetrics",
+        "trackeval",
+        "filterpy",
+    ]
     return {
         "date": date.today().isoformat(),
         "cpu": cpu(),
