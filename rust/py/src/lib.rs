@@ -15,6 +15,7 @@
 // PyO3's macros write the documentation of what they generate.
 #![allow(missing_docs)]
 
+mod assignment;
 mod consistency;
 mod convert;
 mod error;
@@ -26,6 +27,7 @@ mod settings;
 mod _native {
     #[pymodule_export]
     use crate::{
+        assignment::{bottleneck_assignment, linear_sum_assignment},
         consistency::nees,
         point_sets::ospa,
         settings::{set_simd, set_threads, simd, threads},

@@ -19,6 +19,7 @@ const NONE: usize = usize::MAX;
 #[derive(Debug, Default)]
 pub struct Workspace {
     transposed: Vec<f64>,
+    negated: Vec<f64>,
     /// Dual of each row, `u`.
     row_dual: Vec<f64>,
     /// Dual of each column, `v`.
@@ -55,21 +56,37 @@ pub fn solve<'w>(
     columns: usize,
     work: &'w mut Workspace,
 ) -> Result<&'w [usize]> {
-    debug_assert_eq!(costs.len(), rows * columns);
-    if costs.iter().any(|c| c.is_nan() || *c == f64::NEG_INFINITY) {
-        return Err(Error::InvalidCosts);
-    }
+    check_costs(costs)?;
     if columns >= rows {
         solve_wide(costs, rows, columns, work)?;
         return Ok(&work.column_of_row);
     }
     let mut transposed = std::mem::take(&mut work.transposed);
-    transposed.clear();
-    transposed.extend((0..columns).flat_map(|j| (0..rows).map(move |i| costs[i * columns + j])));
+    transpose(costs, rows, columns, &mut transposed);
     let solved = solve_wide(&transposed, columns, rows, work);
     work.transposed = transposed;
     solved?;
     std::mem::swap(&mut work.column_of_row, &mut work.row_of_column);
+    Ok(&work.column_of_row)
+}
+
+/// Matches rows and columns at the largest total cost: [`solve`] for the negated costs.
+///
+/// # Errors
+/// [`Error::InvalidCosts`] for NaN or plus infinity, [`Error::Infeasible`] where every complete
+/// matching has a cost of minus infinity.
+pub fn solve_largest<'w>(
+    costs: &[f64],
+    rows: usize,
+    columns: usize,
+    work: &'w mut Workspace,
+) -> Result<&'w [usize]> {
+    let mut negated = std::mem::take(&mut work.negated);
+    negated.clear();
+    negated.extend(costs.iter().map(|cost| -cost));
+    let solved = solve(&negated, rows, columns, work).map(|_| ());
+    work.negated = negated;
+    solved?;
     Ok(&work.column_of_row)
 }
 
@@ -89,6 +106,20 @@ fn solve_wide(costs: &[f64], rows: usize, columns: usize, work: &mut Workspace) 
         augment(row, sink, work);
     }
     Ok(())
+}
+
+/// Refuses what no assignment can use.
+pub(super) fn check_costs(costs: &[f64]) -> Result<()> {
+    if costs.iter().any(|c| c.is_nan() || *c == f64::NEG_INFINITY) {
+        return Err(Error::InvalidCosts);
+    }
+    Ok(())
+}
+
+/// Writes the transposed of a `rows x columns` matrix to `output`.
+pub(super) fn transpose(costs: &[f64], rows: usize, columns: usize, output: &mut Vec<f64>) {
+    output.clear();
+    output.extend((0..columns).flat_map(|j| (0..rows).map(move |i| costs[i * columns + j])));
 }
 
 fn reset<T: Clone>(values: &mut Vec<T>, length: usize, value: T) {
