@@ -10,14 +10,18 @@ same names and the same numbers. Truth comes first, then estimates; what is unde
 
 from trackmetrics._backend import backend, set_threads, threads, use_backend
 from trackmetrics._version import __version__
+from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
 from trackmetrics.consistency import nees
 from trackmetrics.point_sets import ospa
-from trackmetrics.results import OSPAResult
+from trackmetrics.results import BottleneckAssignment, OSPAResult
 
 __all__ = [
+    "BottleneckAssignment",
     "OSPAResult",
     "__version__",
     "backend",
+    "bottleneck_assignment",
+    "linear_sum_assignment",
     "nees",
     "ospa",
     "set_threads",

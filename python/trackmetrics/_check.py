@@ -26,6 +26,19 @@ def floats(argument: str, values: Any) -> Floats:
     return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
 
 
+def cost_matrix(values: Any) -> Floats:
+    """``values`` as a C-ordered float64 matrix, by SciPy's rules: an array is cast where that is
+    safe, anything else is read as numbers.
+    """
+    if isinstance(values, np.ndarray):
+        array = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
+    else:
+        array = np.asarray(values, dtype=np.float64, order="C")
+    if array.ndim != 2:
+        raise errors.not_a_matrix(array.ndim)
+    return array
+
+
 def points(argument: str, values: Any) -> Floats:
     """A set of points as an ``(n, d)`` array; each point is flattened.
 

@@ -64,6 +64,11 @@ def not_positive_definite(argument: str, index: Sequence[int], minor: int) -> Va
     return LinAlgError(f"{argument}{place(index)} is not positive definite (leading minor {minor})")
 
 
+def not_a_matrix(axes: int) -> ValueError:
+    """A cost matrix with another number of axes than two."""
+    return ValueError(f"expected a matrix (2-D array), got a {axes} array")
+
+
 def invalid_costs() -> ValueError:
     """A cost matrix with an element that no assignment can use."""
     return ValueError("matrix contains invalid numeric entries")

@@ -3,7 +3,11 @@
 The NamedTuples are those of ``pytcl.performance_evaluation``, field for field.
 """
 
-from typing import NamedTuple
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 class OSPAResult(NamedTuple):
@@ -18,3 +22,19 @@ class OSPAResult(NamedTuple):
     """The part owed to the distances of matched points."""
     cardinality: float
     """The part owed to the difference in cardinality."""
+
+
+@dataclass(frozen=True, eq=False)
+class BottleneckAssignment:
+    """A complete matching whose largest cost is as small as it can be."""
+
+    cost: float
+    """The largest cost of a pair, in the unit of the costs; NaN where there are no pairs."""
+    row_ind: NDArray[np.int64]
+    """The matched rows, rising."""
+    col_ind: NDArray[np.int64]
+    """The column of each of them."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)

@@ -4,9 +4,20 @@ Each is short enough to be the explanation of its kernel. The files are the room
 so the listing of this folder is the list of kernels.
 """
 
+from trackmetrics._numpy.assignment import bottleneck_assignment, linear_sum_assignment
 from trackmetrics._numpy.consistency import nees
 from trackmetrics._numpy.point_sets import ospa
 from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
 from trackmetrics._version import __version__
 
-__all__ = ["__version__", "nees", "ospa", "set_simd", "set_threads", "simd", "threads"]
+__all__ = [
+    "__version__",
+    "bottleneck_assignment",
+    "linear_sum_assignment",
+    "nees",
+    "ospa",
+    "set_simd",
+    "set_threads",
+    "simd",
+    "threads",
+]

@@ -1,23 +1,117 @@
-"""The linear assignment problem of a dense cost matrix: twin of ``assignment::dense``."""
+"""Who is matched with whom: twin of ``assignment`` in the core."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
-from trackmetrics._numpy.arguments import Floats
+from trackmetrics._numpy.arguments import Floats, plain
+
+Indices = NDArray[np.int64]
 
 
-def solve(costs: Floats) -> NDArray[np.int64]:
+def linear_sum_assignment(cost_matrix: Floats, maximize: object) -> tuple[Indices, Indices]:
+    """The pairs of least (or largest) total cost, ties as in SciPy."""
+    _matrix(cost_matrix)
+    return pairs(solve(-cost_matrix if maximize else cost_matrix))
+
+
+def bottleneck_assignment(cost_matrix: Floats) -> tuple[float, Indices, Indices]:
+    """The pairs whose largest cost is the smallest, and that cost."""
+    _matrix(cost_matrix)
+    value, columns = solve_bottleneck(cost_matrix)
+    return value, *pairs(columns)
+
+
+def _matrix(costs: Floats) -> None:
+    plain(costs)
+    if costs.ndim != 2:
+        raise errors.NotPlain
+
+
+def pairs(column_of_row: Indices) -> tuple[Indices, Indices]:
+    """The matched rows in rising order, and their columns."""
+    rows = np.flatnonzero(column_of_row >= 0)
+    return rows, column_of_row[rows]
+
+
+def check_costs(costs: Floats) -> None:
+    """Refuse what no assignment can use."""
+    if np.isnan(costs).any() or np.isneginf(costs).any():
+        raise errors.invalid_costs()
+
+
+def solve(costs: Floats) -> Indices:
     """The column of each row at the least total cost, -1 for a row without one.
 
     Shortest augmenting paths with ties as in SciPy; see the core for the algorithm and its source.
     """
-    if np.isnan(costs).any() or np.isneginf(costs).any():
-        raise errors.invalid_costs()
+    check_costs(costs)
+    rows, columns = costs.shape
+    # Costs near the largest float overflow on the way, as they do in SciPy.
+    with np.errstate(over="ignore", invalid="ignore"):
+        if columns >= rows:
+            return _solve_wide(costs)[0]
+        return _solve_wide(np.ascontiguousarray(costs.T))[1]
+
+
+def solve_bottleneck(costs: Floats) -> tuple[float, Indices]:
+    """The smallest largest cost of a complete matching, and the column of each row (or -1)."""
+    check_costs(costs)
     rows, columns = costs.shape
     if columns >= rows:
-        return _solve_wide(costs)[0]
-    return _solve_wide(np.ascontiguousarray(costs.T))[1]
+        value, column_of_row, _ = _solve_bottleneck_wide(costs)
+        return value, column_of_row
+    value, _, row_of_column = _solve_bottleneck_wide(np.ascontiguousarray(costs.T))
+    return value, row_of_column
+
+
+def _solve_bottleneck_wide(costs: Floats) -> tuple[float, Indices, Indices]:
+    rows, columns = costs.shape
+    column_of_row, row_of_column = np.full(rows, -1), np.full(columns, -1)
+    if rows == 0:
+        return np.nan, column_of_row, row_of_column
+    bound = costs.min(axis=1).max()
+    for row in range(rows):
+        sink, bound, previous = _lowest_path(costs, row, bound, row_of_column)
+        augment(row, sink, previous, column_of_row, row_of_column)
+    return float(bound), column_of_row, row_of_column
+
+
+def _lowest_path(
+    costs: Floats, row: int, bound: float, row_of_column: Indices
+) -> tuple[int, float, Indices]:
+    """The free column at the end of the path whose largest cost is the smallest."""
+    height, previous = np.full(costs.shape[1], np.inf), np.full(costs.shape[1], -1)
+    reached = np.zeros(costs.shape[1], dtype=bool)
+    taken, i = row_of_column >= 0, row
+    while True:
+        through = np.maximum(costs[i], bound)
+        lower = through < height
+        height[lower], previous[lower] = through[lower], i
+        open_height = np.where(reached, np.inf, height)
+        bound = open_height.min()
+        if bound == np.inf:
+            raise errors.infeasible()
+        # A free column before a taken one, then the one of lower index.
+        nearest = np.flatnonzero(open_height == bound)
+        j = int(nearest[np.argmin(taken[nearest])])
+        reached[j] = True
+        if not taken[j]:
+            return j, bound, previous
+        i = int(row_of_column[j])
+
+
+def augment(
+    row: int, sink: int, previous: Indices, column_of_row: Indices, row_of_column: Indices
+) -> None:
+    """Turn the path from ``row`` to ``sink`` into matched pairs."""
+    j = sink
+    while True:
+        i = previous[j]
+        row_of_column[j] = i
+        column_of_row[i], j = j, column_of_row[i]
+        if i == row:
+            return
 
 
 def _solve_wide(costs: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -32,13 +126,7 @@ def _solve_wide(costs: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
             u[row_of_column[j]] += length - distance[j]
         for j in reached:
             v[j] -= length - distance[j]
-        j = sink
-        while True:
-            i = previous[j]
-            row_of_column[j] = i
-            column_of_row[i], j = j, column_of_row[i]
-            if i == row:
-                break
+        augment(row, sink, previous, column_of_row, row_of_column)
     return column_of_row, row_of_column
 
 

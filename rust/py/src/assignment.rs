@@ -25,9 +25,7 @@ pub(crate) fn linear_sum_assignment<'py>(
     let [rows, columns] = cost_matrix.shape;
     let (i, j) = py
         .detach(|| {
-            DENSE.with_borrow_mut(|work| {
-                solve(cost_matrix.values, rows, columns, work).map(pairs)
-            })
+            DENSE.with_borrow_mut(|work| solve(cost_matrix.values, rows, columns, work).map(pairs))
         })
         .map_err(raise)?;
     Ok((PyArray1::from_slice(py, &i), PyArray1::from_slice(py, &j)))

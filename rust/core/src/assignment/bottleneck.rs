@@ -68,9 +68,7 @@ pub fn solve<'w>(
 
 /// The same for a matrix with at least as many columns as rows, its elements checked.
 fn solve_wide(costs: &[f64], rows: usize, columns: usize, work: &mut Workspace) -> Result<f64> {
-    for (values, length) in
-        [(&mut work.column_of_row, rows), (&mut work.row_of_column, columns)]
-    {
+    for (values, length) in [(&mut work.column_of_row, rows), (&mut work.row_of_column, columns)] {
         values.clear();
         values.resize(length, NONE);
     }
@@ -127,13 +125,15 @@ fn relax(costs: &[f64], i: usize, bound: f64, work: &mut Workspace) {
 
 /// The column not yet reached with the lowest path, a free one before a taken one.
 fn nearest(work: &Workspace) -> Option<(usize, f64)> {
-    let open = (0..work.height.len()).filter(|&j| !work.reached[j]);
-    let rank = |j: usize| (work.height[j], work.row_of_column[j] != NONE);
-    let j = open.min_by(|&a, &b| {
-        let ((a, a_taken), (b, b_taken)) = (rank(a), rank(b));
-        a.total_cmp(&b).then(a_taken.cmp(&b_taken))
-    })?;
-    (work.height[j] < f64::INFINITY).then_some((j, work.height[j]))
+    let (mut lowest, mut nearest, mut nearest_is_free) = (f64::INFINITY, None, false);
+    for (j, &height) in work.height.iter().enumerate().filter(|&(j, _)| !work.reached[j]) {
+        let free = work.row_of_column[j] == NONE;
+        if height < lowest || (height == lowest && free && !nearest_is_free) {
+            (lowest, nearest, nearest_is_free) = (height, Some(j), free);
+        }
+    }
+    (lowest < f64::INFINITY).then_some(())?;
+    nearest.map(|j| (j, lowest))
 }
 
 /// Turns the path from `row` to `sink` into matched pairs.
