@@ -1,0 +1,39 @@
+"""The command line: ``trackmetrics COMMAND ...``.
+
+Each command is a module of this package with a ``HELP`` line, ``add_arguments(parser)`` and
+``run(arguments)``, which returns the exit status. It is imported only when it is called for.
+Bad input ends with one line on standard error and exit status 2.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from trackmetrics._version import __version__
+
+COMMANDS: dict[str, str] = {}
+"""Each command and what it does."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(
+        prog="trackmetrics",
+        description="Metrics and consistency diagnostics for tracking and state estimation.",
+    )
+    parser.add_argument("--version", action="version", version=f"trackmetrics {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, meaning in COMMANDS.items():
+        command = commands.add_parser(name, help=meaning, description=f"{meaning.capitalize()}.")
+        if name in words[:1]:
+            import_module(f"{__name__}.{name}").add_arguments(command)
+    parsed = parser.parse_args(words)
+    try:
+        return int(import_module(f"{__name__}.{parsed.command}").run(parsed))
+    except (ValueError, TypeError, OSError, ImportError) as error:
+        print(f"trackmetrics {parsed.command}: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
