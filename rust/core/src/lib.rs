@@ -7,6 +7,7 @@
 //! | [`error`], [`points`], [`threads`], [`simd`] | errors with numbers in them; borrowed point sets; the pool; the width chosen at run time |
 //! | [`assignment`] | who is matched with whom, at the least total cost |
 //! | [`point_sets`] | distances between finite sets of points |
+//! | [`tracking`] | scores over the identities of tracks |
 //! | [`consistency`] | quadratic forms of many small covariances |
 //!
 //! Nothing in this crate knows Python, draws random numbers, or panics on bad input: what can be
@@ -21,6 +22,7 @@ pub mod point_sets;
 pub mod points;
 pub mod simd;
 pub mod threads;
+pub mod tracking;
 
 pub use error::{Error, Result};
 pub use points::{Frames, Points};

@@ -1,0 +1,4 @@
+//! Scores over the identities of tracks.
+
+pub mod frames;
+pub mod labels;
