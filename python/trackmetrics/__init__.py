@@ -14,6 +14,7 @@ from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
 from trackmetrics.consistency import nees
 from trackmetrics.point_sets import ospa
 from trackmetrics.results import BottleneckAssignment, OSPAResult
+from trackmetrics.tracking import identity_switches, track_fragmentation, track_purity
 
 __all__ = [
     "BottleneckAssignment",
@@ -21,10 +22,13 @@ __all__ = [
     "__version__",
     "backend",
     "bottleneck_assignment",
+    "identity_switches",
     "linear_sum_assignment",
     "nees",
     "ospa",
     "set_threads",
     "threads",
+    "track_fragmentation",
+    "track_purity",
     "use_backend",
 ]

@@ -32,3 +32,15 @@ def positive(argument: str, value: float) -> None:
     """Refuse NaN and what is not above zero."""
     if not value > 0:
         raise errors.parameter(argument, "positive", value)
+
+
+def plain_ids(*arrays: Any) -> None:
+    """Refuse what is neither ``None`` nor a C-ordered int64 array of one axis."""
+    for array in arrays:
+        if array is not None and (
+            type(array) is not np.ndarray
+            or array.dtype != np.int64
+            or array.ndim != 1
+            or not array.flags.c_contiguous
+        ):
+            raise errors.NotPlain

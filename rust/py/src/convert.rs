@@ -60,3 +60,19 @@ impl<'a, 'py, const N: usize> FromPyObject<'a, 'py> for Floats<'a, N> {
         Ok(Self { values, shape: lengths.map(|length| length as usize) })
     }
 }
+
+/// A C-ordered int64 array of one axis.
+pub(crate) struct Integers<'a> {
+    /// The elements.
+    pub(crate) values: &'a [i64],
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Integers<'a> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = Array::borrow(object).filter(|array| array.shape().len() == 1);
+        let values = array.and_then(|array| array.integers());
+        values.map(|values| Self { values }).ok_or_else(|| not_plain(object.py()))
+    }
+}

@@ -22,6 +22,7 @@ mod error;
 mod lists;
 mod point_sets;
 mod settings;
+mod tracking;
 
 #[pyo3::pymodule]
 mod _native {
@@ -31,6 +32,7 @@ mod _native {
         consistency::nees,
         point_sets::ospa,
         settings::{set_simd, set_threads, simd, threads},
+        tracking::{identity_switches, track_fragmentation, track_purity},
     };
     use pyo3::prelude::*;
 
