@@ -1,0 +1,141 @@
+"""What follows from other columns: errors, innovations, NIS, NEES, standard deviations."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmetrics.diagnostics.checking import check_covariances, unit_diagonal
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, lengths, present
+from trackmetrics.diagnostics.log import State
+
+Angles = Mapping[str, Mapping[int, float]]
+
+
+def derive(
+    columns: Columns, states: Sequence[State], measurement_angles: Angles
+) -> tuple[Columns, dict[str, NDArray[np.bool_]]]:
+    """The columns completed, and which rows of which column were computed."""
+    check_covariances(columns)
+    logged, periods = columns, component_periods(columns, states, measurement_angles)
+    columns = columns.with_(
+        innovation=_filled(columns.innovation, _innovations(columns, periods)),
+        S=_filled(columns.S, _innovation_covariances(columns)),
+        error=_filled(columns.error, _errors(columns, states)),
+        std=_filled(columns.std, _deviations(columns)),
+    )
+    columns = columns.with_(
+        nis=_filled(columns.nis, _forms(columns.innovation, columns.S)),
+        nees=_filled(columns.nees, _forms(columns.error, columns.P)),
+    )
+    columns = columns.with_(nis_dof=_filled(columns.nis_dof, _dof(columns)))
+    computed = {}
+    for name in ("innovation", "S", "error", "std", "nis", "nees", "nis_dof"):
+        before, after = getattr(logged, name), getattr(columns, name)
+        if after is not None:
+            computed[name] = present(after)
+            if before is not None:
+                computed[name] &= ~present(before)
+    return columns, computed
+
+
+def component_periods(
+    columns: Columns, states: Sequence[State], measurement_angles: Angles
+) -> Floats | None:
+    """``(rows, m)``: the period of each component of the measurement, NaN where it is no angle."""
+    width = _measurement_width(columns)
+    if not width:
+        return None
+    periods = np.full((len(columns), width), np.nan)
+    if columns.observed is not None and len(states):
+        of_state = np.array([s.period or np.nan for s in states] + [np.nan])
+        periods[:, : columns.observed.shape[1]] = of_state[columns.observed]
+    if columns.measurement_type is not None:
+        for kind, angles in measurement_angles.items():
+            for component, period in angles.items():
+                if not 0 <= component < width:
+                    raise ValueError(f"measurement_angles[{kind!r}]: no component {component!r}")
+                periods[columns.measurement_type == kind, component] = period
+    return periods
+
+
+def wrapped(residuals: Floats, periods: Floats) -> Floats:
+    """Residuals of angles in (-period/2, period/2], others as they are."""
+    turns = np.ceil(residuals / periods - 0.5)
+    return np.where(np.isnan(periods), residuals, residuals - np.nan_to_num(turns * periods))
+
+
+def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
+    """e' P^-1 e of each row, padding left out; NaN where either is missing."""
+    forms = np.full(len(errors), np.nan)
+    rows = present(errors) & present(covariances)
+    if errors.shape[1] and rows.any():
+        p, e = covariances[rows], np.nan_to_num(errors[rows])
+        d = np.sqrt(np.where(np.isnan(p), np.eye(p.shape[1]), p).diagonal(axis1=1, axis2=2))
+        factor = np.linalg.cholesky(unit_diagonal(p))
+        forms[rows] = (np.linalg.solve(factor, (e / d)[..., None])[..., 0] ** 2).sum(axis=1)
+    return forms
+
+
+def _measurement_width(columns: Columns) -> int:
+    for name in ("innovation", "z", "S", "R"):
+        column = getattr(columns, name)
+        if column is not None:
+            return int(column.shape[1])
+    return 0
+
+
+def _filled(logged: Any, computed: Floats | None) -> Any:
+    """The logged values, and computed ones in rows without."""
+    if logged is None or computed is None:
+        return computed if logged is None else logged
+    there = present(logged).reshape((-1,) + (1,) * (logged.ndim - 1))
+    return np.where(there, logged, computed)
+
+
+def _forms(errors: Floats | None, covariances: Floats | None) -> Floats | None:
+    return None if errors is None or covariances is None else quadratic_forms(errors, covariances)
+
+
+def _errors(columns: Columns, states: Sequence[State]) -> Floats | None:
+    if columns.x is None or columns.truth is None:
+        return None
+    return wrapped(columns.x - columns.truth, np.array([s.period or np.nan for s in states]))
+
+
+def _deviations(columns: Columns) -> Floats | None:
+    return None if columns.P is None else np.sqrt(columns.P.diagonal(axis1=1, axis2=2))
+
+
+def _innovations(columns: Columns, periods: Floats | None) -> Floats | None:
+    """z minus the predicted states that it observes, angles wrapped."""
+    if columns.z is None or columns.x_pred is None or columns.observed is None or periods is None:
+        return None
+    predicted = _observed_states(columns.x_pred, columns.observed)
+    return wrapped(columns.z - predicted, periods)
+
+
+def _innovation_covariances(columns: Columns) -> Floats | None:
+    """H P- H' + R where each component observes one state."""
+    if columns.P_pred is None or columns.R is None or columns.observed is None:
+        return None
+    o = columns.observed
+    rows = np.arange(len(o))[:, None, None]
+    chosen = columns.P_pred[rows, o[:, :, None], o[:, None, :]]
+    return np.where((o >= 0)[:, :, None] & (o >= 0)[:, None, :], chosen, np.nan) + columns.R
+
+
+def _observed_states(states: Floats, observed: Integers) -> Floats:
+    chosen = np.take_along_axis(states, np.maximum(observed, 0), axis=1)
+    return np.where(observed >= 0, chosen, np.nan)
+
+
+def _dof(columns: Columns) -> Floats | None:
+    """The length of the innovation, else of the measurement."""
+    for name in ("innovation", "z"):
+        column = getattr(columns, name)
+        if column is not None:
+            dof = lengths(column).astype(np.float64)
+            return np.where(dof > 0, dof, np.nan)
+    return None

@@ -1,0 +1,124 @@
+"""Logs in files: JSON Lines with a header record, CSV with a header comment, Parquet with metadata.
+
+Only what was logged is written; what was computed is computed again when the file is read, so that
+a computed value never passes for evidence of what the estimator did.
+"""
+
+import csv
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trackmetrics.diagnostics.columns import (
+    COVARIANCES,
+    FLOATS,
+    NUMBERS,
+    WORDS,
+    Floats,
+)
+from trackmetrics.diagnostics.log import EstimatorLog
+
+SCHEMA = "trackmetrics-log/1"
+
+
+def write_log(log: EstimatorLog, path: str | Path) -> None:
+    """Write a log; the ending of the name says in which form."""
+    path = Path(path)
+    writers = {".jsonl": _write_json_lines, ".csv": _write_csv, ".parquet": _write_parquet}
+    if path.suffix not in writers:
+        raise ValueError(f"path must end in {', '.join(writers)}, got {path.name!r}")
+    writers[path.suffix](log, path)
+
+
+def header(log: EstimatorLog) -> dict[str, Any]:
+    """What a log says once."""
+    return {
+        "schema": SCHEMA,
+        "states": [{"name": s.name, "unit": s.unit, "period": s.period} for s in log.states],
+        "measurement_angles": {
+            kind: {str(i): period for i, period in angles.items()}
+            for kind, angles in log.measurement_angles.items()
+        },
+        "time_unit": log.time_unit,
+    }
+
+
+def records(log: EstimatorLog) -> Iterator[dict[str, Any]]:
+    """One dictionary a row: what was logged in it, covariances as upper triangles."""
+    columns = log.columns
+    logged = {name: log.was_logged(name) for name in FLOATS if getattr(columns, name) is not None}
+    for t, track in enumerate(log.tracks):
+        for row in range(log.starts[t], log.starts[t + 1]):
+            record: dict[str, Any] = {"track": track, "time": float(columns.time[row])}
+            for name in WORDS:
+                column = getattr(columns, name)
+                if column is not None and column[row] is not None:
+                    record[name] = column[row]
+            if columns.observed is not None:
+                record["observed"] = [int(i) for i in columns.observed[row] if i >= 0]
+            for name, there in logged.items():
+                if there[row]:
+                    record[name] = _cell(name, getattr(columns, name)[row])
+            yield record
+
+
+def _cell(name: str, value: Floats) -> float | list[float]:
+    if name in NUMBERS:
+        return float(value)
+    if value.ndim == 1:
+        return [float(v) for v in value[~np.isnan(value)]]
+    size = int((~np.isnan(value.diagonal())).sum())
+    value = value[:size, :size]
+    if name in COVARIANCES:
+        return [float(v) for v in value[np.triu_indices(size)]]
+    return [float(v) for v in value.ravel()]
+
+
+def _write_json_lines(log: EstimatorLog, path: Path) -> None:
+    with path.open("w", encoding="utf-8") as file:
+        for record in [header(log), *records(log)]:
+            file.write(json.dumps(record, allow_nan=False, ensure_ascii=False) + "\n")
+
+
+def _write_csv(log: EstimatorLog, path: Path) -> None:
+    rows = [_flat(record) for record in records(log)]
+    names = sorted({name for row in rows for name in row}, key=_place)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write("# " + json.dumps(header(log), ensure_ascii=False) + "\n")
+        writer = csv.DictWriter(file, names, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def _flat(record: dict[str, Any]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in record.items():
+        if isinstance(value, list):
+            flat.update({f"{name}[{i}]": v for i, v in enumerate(value)})
+        else:
+            flat[name] = value
+    return flat
+
+
+def _place(name: str) -> tuple[int, int]:
+    """The order of the columns of a CSV file."""
+    base, _, index = name.partition("[")
+    return ["track", "time", *WORDS, "observed", *FLOATS].index(base), int(index.rstrip("]") or -1)
+
+
+def _write_parquet(log: EstimatorLog, path: Path) -> None:
+    import pyarrow
+    import pyarrow.parquet
+
+    table = pyarrow.Table.from_pylist(_with_every_name(list(records(log))))
+    metadata = {b"trackmetrics": json.dumps(header(log)).encode()}
+    pyarrow.parquet.write_table(table.replace_schema_metadata(metadata), path)
+
+
+def _with_every_name(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """A table takes its columns from the first row."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    return [{name: row.get(name) for name in names} for row in rows]
