@@ -42,7 +42,45 @@ def bench_labels(bench: Bench) -> None:
     )
 
 
+def scene(frames, n, rng):
+    """Targets in a box of 1000, each found within some metres, and in another order each time."""
+    truth = [list(rng.uniform(0, 1000, (n, 2))) for _ in range(frames)]
+    found = [[x[i] + rng.normal(0, 5, 2) for i in rng.permutation(n)] for x in truth]
+    return truth, found
+
+
+def bench_mot_metrics(bench: Bench) -> None:
+    rng = np.random.default_rng(2)
+    for n in (5, 10, 20, 50):
+        truth, found = scene(1000, n, rng)
+        unrelated, _ = scene(1000, n, rng)
+        assert_close(truth, found)
+        assert_close(truth, unrelated)
+        for what, other in {"tracked": found, "unrelated": unrelated}.items():
+            bench.compare(
+                f"mot_metrics, lists, 1000 frames x {n}, {what}",
+                lambda x=truth, y=other: trackmetrics.mot_metrics(x, y),
+                {"pytcl": lambda x=truth, y=other: pytcl.mot_metrics(x, y)},
+                target=200 if n == 10 and what == "tracked" else None,
+                seconds=4,
+                rounds=5,
+            )
+    packed = np.array(truth), np.array(found)
+    bench.compare(
+        "mot_metrics, (T, n, d) arrays, 1000 frames x 50",
+        lambda: trackmetrics.mot_metrics(*packed),
+        {"mot_metrics, lists": lambda: trackmetrics.mot_metrics(truth, found)},
+    )
+
+
+def assert_close(truth, found):
+    ours, theirs = trackmetrics.mot_metrics(truth, found), pytcl.mot_metrics(truth, found)
+    assert ours[2:] == theirs[2:]
+    assert np.allclose(ours, theirs, rtol=1e-12)
+
+
 if __name__ == "__main__":
     bench = Bench("tracking")
+    bench_mot_metrics(bench)
     bench_labels(bench)
     bench.finish()

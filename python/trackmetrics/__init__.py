@@ -13,17 +13,19 @@ from trackmetrics._version import __version__
 from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
 from trackmetrics.consistency import nees
 from trackmetrics.point_sets import ospa
-from trackmetrics.results import BottleneckAssignment, OSPAResult
-from trackmetrics.tracking import identity_switches, track_fragmentation, track_purity
+from trackmetrics.results import BottleneckAssignment, MOTMetrics, OSPAResult
+from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
 
 __all__ = [
     "BottleneckAssignment",
+    "MOTMetrics",
     "OSPAResult",
     "__version__",
     "backend",
     "bottleneck_assignment",
     "identity_switches",
     "linear_sum_assignment",
+    "mot_metrics",
     "nees",
     "ospa",
     "set_threads",

@@ -38,3 +38,20 @@ class BottleneckAssignment:
     def to_dict(self) -> dict[str, Any]:
         """The fields by name."""
         return asdict(self)
+
+
+class MOTMetrics(NamedTuple):
+    """CLEAR MOT scores of a sequence, and the counts that they are made of."""
+
+    mota: float
+    """Accuracy: 1 is best, and it has no lower bound."""
+    motp: float
+    """Mean distance of the matched pairs, in the unit of the points; 0 is best."""
+    num_switches: int
+    """Pairs whose truth index had another estimate index in the remembered frame."""
+    num_fragmentations: int
+    """Pairs whose truth index had a pair before, but none in the remembered frame."""
+    num_false_positives: int
+    """Estimates without a pair."""
+    num_misses: int
+    """Truth points without a pair."""

@@ -2,9 +2,77 @@
 
 from typing import Any
 
-from trackmetrics import _backend
+from trackmetrics import _backend, _check
 from trackmetrics._labels import labels, times
 from trackmetrics.errors import NotPlain
+from trackmetrics.results import MOTMetrics
+
+
+def mot_metrics(ground_truth: Any, estimates: Any, threshold: float = 10.0) -> MOTMetrics:
+    """CLEAR MOT scores of frames in which the place in the list is the identity.
+
+    In each frame the truth is matched with the estimates at the least total distance over all
+    pairs; then pairs farther apart than ``threshold`` are dropped. Over all frames, with g points
+    of truth,
+
+        MOTA = 1 - (misses + false positives + switches) / g
+        MOTP = mean distance of the pairs
+
+    A switch is a pair whose truth index had another estimate index in the remembered frame; a
+    fragmentation is a pair whose truth index had a pair before, but none in the remembered frame.
+    The remembered frame is the last one that had truth.
+
+    Parameters
+    ----------
+    ground_truth, estimates : list of list of array_like, or array of shape (T, n, d)
+        For each of T frames the points of the truth and of the estimates, all in one unit. Or a
+        tuple of all points, shape (N, d), and their offsets, int64 of shape (T + 1,).
+    threshold : float
+        Largest distance of a pair (inclusive), in the unit of the points; at least 0, may be
+        infinite.
+
+    Returns
+    -------
+    MOTMetrics
+        ``mota``, 1 at best and without a lower bound; ``motp`` in the unit of the points, 0 at
+        best; and four counts, 0 at best.
+
+    Raises
+    ------
+    ValueError
+        Where the sequences differ in length, points have different numbers of coordinates, a
+        coordinate is not finite, or the threshold is NaN or negative.
+    TypeError
+        Where a frame is not a list, tuple or array of points.
+
+    Notes
+    -----
+    This is ``pytcl.performance_evaluation.mot_metrics``: switches, fragmentations and so MOTA mean
+    something only where every target and every track keeps its place in the lists. There is no
+    preference for the pairs of the last frame, and the gate comes after the assignment, so that
+    there may be fewer pairs than with the gate first. Ties are broken as SciPy's
+    ``linear_sum_assignment`` does. MOTA is 1 without truth, MOTP is 0 without a pair.
+
+    References
+    ----------
+    Bernardin and Stiefelhagen, "Evaluating multiple object tracking performance: the CLEAR MOT
+    metrics", EURASIP J. Image and Video Processing, 2008, doi:10.1155/2008/246309.
+
+    Examples
+    --------
+    >>> truth = [[[0.0, 0.0], [10.0, 10.0]], [[1.0, 0.0], [11.0, 10.0]]]
+    >>> estimates = [[[0.5, 0.0], [10.5, 10.0]], [[1.5, 0.0]]]
+    >>> scores = mot_metrics(truth, estimates, threshold=5.0)
+    >>> scores.mota, scores.motp, scores.num_misses
+    (0.75, 0.5, 1)
+    """
+    kernel = _backend.kernels.mot_metrics
+    try:
+        scores = kernel(ground_truth, estimates, threshold)
+    except NotPlain:
+        truth = _check.frames("ground_truth", ground_truth)
+        scores = kernel(truth, _check.frames("estimates", estimates), threshold)
+    return MOTMetrics(*scores)
 
 
 def track_purity(true_labels: Any, estimated_labels: Any) -> float:

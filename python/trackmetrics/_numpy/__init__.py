@@ -8,7 +8,12 @@ from trackmetrics._numpy.assignment import bottleneck_assignment, linear_sum_ass
 from trackmetrics._numpy.consistency import nees
 from trackmetrics._numpy.point_sets import ospa
 from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
-from trackmetrics._numpy.tracking import identity_switches, track_fragmentation, track_purity
+from trackmetrics._numpy.tracking import (
+    identity_switches,
+    mot_metrics,
+    track_fragmentation,
+    track_purity,
+)
 from trackmetrics._version import __version__
 
 __all__ = [
@@ -16,6 +21,7 @@ __all__ = [
     "bottleneck_assignment",
     "identity_switches",
     "linear_sum_assignment",
+    "mot_metrics",
     "nees",
     "ospa",
     "set_simd",

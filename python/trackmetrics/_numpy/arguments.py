@@ -44,3 +44,22 @@ def plain_ids(*arrays: Any) -> None:
             or not array.flags.c_contiguous
         ):
             raise errors.NotPlain
+
+
+def frames(argument: str, packed: Any) -> list[Floats]:
+    """The sets of a packed sequence, points and offsets, checked; refuse what is not packed."""
+    if type(packed) is not tuple or len(packed) != 2:
+        raise errors.NotPlain
+    points, starts = packed
+    plain(points)
+    plain_ids(starts)
+    if points.ndim != 2 or starts is None:
+        raise errors.NotPlain
+    count = len(points) if points.shape[1] else 0
+    if not len(starts) or starts[0] != 0 or starts[-1] != count or (np.diff(starts) < 0).any():
+        raise errors.offsets(argument, count)
+    if not np.isfinite(points).all():
+        i, k = np.argwhere(~np.isfinite(points))[0]
+        t = int(np.searchsorted(starts, i, side="right")) - 1
+        raise errors.not_finite(argument, [t, i - starts[t]], points[i, k])
+    return np.split(points, starts[1:-1]) if len(starts) > 1 else []

@@ -1,10 +1,13 @@
 """Scores over the identities of tracks: twin of ``tracking`` in the core."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
-from trackmetrics._numpy.arguments import plain_ids
+from trackmetrics._numpy.arguments import Floats, frames, plain_ids
+from trackmetrics._numpy.assignment import solve
 
 Ids = NDArray[np.int64]
 
@@ -48,3 +51,54 @@ def _changes(keys: Ids, values: Ids, times: Ids | None) -> int:
     order = np.lexsort((keys,) if times is None else (times, keys))
     keys, values = keys[order], values[order]
     return int(np.count_nonzero((keys[1:] == keys[:-1]) & (values[1:] != values[:-1])))
+
+
+def mot_metrics(
+    ground_truth: Any, estimates: Any, threshold: float
+) -> tuple[float, float, int, int, int, int]:
+    """CLEAR MOT scores of frames whose list index is the identity."""
+    truth, found = frames("ground_truth", ground_truth), frames("estimates", estimates)
+    _check_frames(truth, found, threshold)
+    switches = fragmentations = misses = false_positives = matches = 0
+    distance = 0.0
+    remembered: dict[int, int] = {}  # truth index -> estimate index in the last frame with truth
+    matched_before: set[int] = set()
+    for x, y in zip(truth, found, strict=True):
+        if not len(x):
+            false_positives += len(y)
+            continue
+        pairs = {i: (j, d) for i, j, d in _pairs(x, y) if d <= threshold}
+        for i, (j, _) in pairs.items():
+            switches += remembered.get(i, j) != j
+            fragmentations += i in matched_before and i not in remembered
+        matches += len(pairs)
+        misses += len(x) - len(pairs)
+        false_positives += len(y) - len(pairs)
+        distance += sum(d for _, d in pairs.values())
+        remembered = {i: j for i, (j, _) in pairs.items()}
+        matched_before.update(pairs)
+    points = sum(map(len, truth))
+    mota = 1 - (misses + false_positives + switches) / points if points else 1.0
+    motp = distance / matches if matches else 0.0
+    return mota, motp, switches, fragmentations, false_positives, misses
+
+
+def _check_frames(truth: list[Floats], found: list[Floats], threshold: float) -> None:
+    if not threshold >= 0:
+        raise errors.parameter("threshold", "at least 0", threshold)
+    if len(found) != len(truth):
+        raise errors.length("estimates", len(found), "ground_truth", len(truth), "frames")
+    x = next((x for x in truth if len(x)), None)
+    t, y = next(((t, y) for t, y in enumerate(found) if len(y)), (0, None))
+    if x is not None and y is not None and x.shape[1] != y.shape[1]:
+        raise errors.dimension("estimates", [t, 0], y.shape[1], x.shape[1])
+
+
+def _pairs(x: Floats, y: Floats) -> list[tuple[int, int, float]]:
+    """The matching of two sets at the least total distance, gated by nothing."""
+    if not len(y):
+        return []
+    with np.errstate(over="ignore"):
+        squares = (x[:, None] - y[None]) ** 2
+        costs = np.sqrt(squares.cumsum(-1)[..., -1])  # one coordinate after the other
+    return [(i, int(j), float(costs[i, j])) for i, j in enumerate(solve(costs)) if j >= 0]

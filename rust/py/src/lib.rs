@@ -32,7 +32,7 @@ mod _native {
         consistency::nees,
         point_sets::ospa,
         settings::{set_simd, set_threads, simd, threads},
-        tracking::{identity_switches, track_fragmentation, track_purity},
+        tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},
     };
     use pyo3::prelude::*;
 

@@ -172,3 +172,72 @@ fn pack<'py>(
     }
     Ok(count)
 }
+
+/// Appends the frames of a list or tuple to `values`, and their offsets to `starts`.
+///
+/// A frame is an `(n, d)` array or what [`pack_points`] takes; the error names the frame.
+pub(crate) fn pack_frames(
+    frames: &Bound<'_, PyAny>,
+    dimension: &mut Option<usize>,
+    values: &mut Vec<f64>,
+    starts: &mut Vec<i64>,
+) -> Result<(), (usize, Unpacked)> {
+    if let Ok(list) = frames.cast_exact::<PyList>() {
+        pack_each_frame(list.iter(), dimension, values, starts)
+    } else if let Ok(tuple) = frames.cast_exact::<PyTuple>() {
+        pack_each_frame(tuple.iter(), dimension, values, starts)
+    } else {
+        Err((0, Unpacked::NotPlain))
+    }
+}
+
+fn pack_each_frame<'py>(
+    frames: impl ExactSizeIterator<Item = Bound<'py, PyAny>>,
+    dimension: &mut Option<usize>,
+    values: &mut Vec<f64>,
+    starts: &mut Vec<i64>,
+) -> Result<(), (usize, Unpacked)> {
+    let mut points = 0;
+    starts.reserve(frames.len() + 1);
+    starts.push(0);
+    for (t, frame) in frames.enumerate() {
+        points += match Array::borrow(frame.as_borrowed()) {
+            Some(array) => pack_rows(&array, dimension, values),
+            None => pack_points(&frame, dimension, values),
+        }
+        .map_err(|error| (t, error))?;
+        starts.push(points as i64);
+    }
+    Ok(())
+}
+
+/// Appends the rows of an `(n, d)` array, one point each.
+fn pack_rows(
+    array: &Array<'_>,
+    dimension: &mut Option<usize>,
+    values: &mut Vec<f64>,
+) -> Result<usize, Unpacked> {
+    let &[rows, found] = array.shape() else {
+        return Err(Unpacked::NotPlain);
+    };
+    let (rows, found) = (rows as usize, found as usize);
+    if rows == 0 {
+        return Ok(0);
+    }
+    let expected = *dimension.get_or_insert(found);
+    if found != expected {
+        return Err(Unpacked::Dimension { index: 0, found, expected });
+    }
+    if found == 0 {
+        return Err(Unpacked::NotPlain);
+    }
+    array.append_to(values);
+    Ok(rows)
+}
+
+/// The two arrays of a tuple of two.
+pub(crate) fn pair<'a>(object: &'a Bound<'_, PyAny>) -> Option<(Array<'a>, Array<'a>)> {
+    let tuple = object.cast_exact::<PyTuple>().ok().filter(|tuple| tuple.len() == 2)?;
+    let item = |i| tuple.get_borrowed_item(i).ok().and_then(Array::borrow);
+    Some((item(0)?, item(1)?))
+}

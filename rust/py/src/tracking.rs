@@ -1,9 +1,31 @@
 //! Binding of `trackmetrics_core::tracking`.
 
-use crate::convert::Integers;
+use crate::convert::{FrameSequence, Integers};
 use crate::error::raise;
 use pyo3::prelude::*;
-use trackmetrics_core::tracking::labels as kernel;
+use trackmetrics_core::tracking::{frames, labels as kernel};
+
+/// MOTA, MOTP, switches, fragmentations, false positives and misses of a sequence.
+type Scores = (f64, f64, usize, usize, usize, usize);
+
+/// CLEAR MOT scores of frames whose list index is the identity: (mota, motp, switches,
+/// fragmentations, false positives, misses).
+#[pyfunction]
+pub(crate) fn mot_metrics(
+    py: Python<'_>,
+    ground_truth: &Bound<'_, PyAny>,
+    estimates: &Bound<'_, PyAny>,
+    threshold: f64,
+) -> PyResult<Scores> {
+    let ground_truth = FrameSequence::read("ground_truth", ground_truth)?;
+    let estimates = FrameSequence::read("estimates", estimates)?;
+    let scores = py.detach(|| {
+        let ground_truth = ground_truth.frames("ground_truth")?;
+        frames::mot_metrics(ground_truth, estimates.frames("estimates")?, threshold)
+    });
+    let s = scores.map_err(raise)?;
+    Ok((s.mota, s.motp, s.switches, s.fragmentations, s.false_positives, s.misses))
+}
 
 /// The share of observations with the most frequent true label of their estimated label.
 #[pyfunction]
