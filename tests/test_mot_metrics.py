@@ -185,7 +185,7 @@ def test_the_threshold_is_inclusive_and_may_be_infinite():
             [],
             1,
             TypeError,
-            "ground_truth must be a list, tuple or array of frames, got NoneType",
+            "ground_truth must be a list, tuple or array of sets of points, got NoneType",
         ),
         ([["a"]], [[]], 1, TypeError, "ground_truth[0][0] must hold real numbers, got dtype <U1"),
         (
@@ -193,7 +193,7 @@ def test_the_threshold_is_inclusive_and_may_be_infinite():
             [[]],
             1,
             ValueError,
-            "ground_truth has points without coordinates",
+            "ground_truth[0][0] has no coordinates",
         ),
         ([[1e300]], [[-1e300]], 1, ValueError, "cost matrix is infeasible"),
     ],

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from trackmetrics import errors
 
 Floats = NDArray[np.float64]
-Packed = tuple[Floats, NDArray[np.int64]]
 
 
 def floats(argument: str, values: Any) -> Floats:
@@ -40,74 +39,77 @@ def cost_matrix(values: Any) -> Floats:
     return array
 
 
-def points(argument: str, values: Any) -> Floats:
+def points(argument: str, values: Any, dimension: int | None = None) -> Floats:
     """A set of points as an ``(n, d)`` array; each point is flattened.
 
     Takes a list or tuple of points, each a number, a list or an array of any shape, or an array
-    whose rows are points. A one-dimensional array is a set of numbers.
+    whose rows are points. A one-dimensional array is a set of numbers. ``dimension`` is what the
+    points must have, where that is settled already.
     """
     if isinstance(values, np.ndarray):
-        array = floats(argument, values)
-        if array.ndim == 0:
-            raise errors.shape(argument, array.shape, "(n, d)")
-        return array.reshape(len(array), -1) if array.size else array.reshape(len(array), 0)
+        rows = floats(argument, values)
+        if rows.ndim == 0:
+            raise errors.shape(argument, rows.shape, "(n, d)")
+    else:
+        rows = _stack(argument, values, dimension)
+    if len(rows) == 0:
+        return np.empty((0, dimension or 0))
+    found = rows[0].size
+    if found != (dimension or found):
+        raise errors.dimension(argument, [0], found, dimension or found)
+    if found == 0:
+        raise ValueError(f"{argument}[0] has no coordinates")
+    return rows.reshape(len(rows), found)
+
+
+def _stack(argument: str, values: Any, dimension: int | None) -> Floats:
+    """A list of points, one after the other, so that the first offender is the one named."""
     if not isinstance(values, Sequence) or isinstance(values, str):
         raise TypeError(
             f"{argument} must be a list, tuple or array of points, got {type(values).__name__}"
         )
-    rows = [floats(f"{argument}[{i}]", value).ravel() for i, value in enumerate(values)]
-    for i, row in enumerate(rows):
-        if row.size != rows[0].size:
-            raise errors.dimension(argument, [i], row.size, rows[0].size)
+    rows: list[Floats] = []
+    for i, value in enumerate(values):
+        row = floats(f"{argument}[{i}]", value).ravel()
+        dimension = row.size if dimension is None else dimension
+        if row.size != dimension:
+            raise errors.dimension(argument, [i], row.size, dimension)
+        rows.append(row)
     return np.stack(rows) if rows else np.empty((0, 0))
 
 
-def frames(argument: str, values: Any) -> Packed:
-    """A sequence of point sets as all points ``(N, d)`` and their offsets ``(T + 1,)``.
+def frames(argument: str, values: Any) -> tuple[Floats, NDArray[np.int64]]:
+    """A sequence of point sets, packed: ``(N, d)`` points and the ``(T + 1,)`` starts of the sets.
 
-    Takes a list or tuple of what `points` takes, an array ``(T, n, d)`` whose points are flattened,
-    an array ``(T, n)`` of numbers, or a tuple of points and offsets.
+    Takes a list or tuple of sets (see ``points``), an array of shape ``(T, n, d)`` or ``(T, n)``,
+    or the packed form itself: a tuple of a two-dimensional array and a one-dimensional array of
+    integers.
     """
-    if isinstance(values, np.ndarray):
-        return _cube(argument, values)
     if _is_packed(values):
         return points(argument, values[0]), np.ascontiguousarray(values[1], dtype=np.int64)
-    if not isinstance(values, Sequence) or isinstance(values, str):
+    if isinstance(values, np.ndarray) and values.ndim < 2:
+        raise errors.shape(argument, values.shape, "(T, n, d)")
+    if not isinstance(values, Sequence | np.ndarray) or isinstance(values, str):
         raise TypeError(
-            f"{argument} must be a list, tuple or array of frames, got {type(values).__name__}"
+            f"{argument} must be a list, tuple or array of sets of points, "
+            f"got {type(values).__name__}"
         )
-    sets = [points(f"{argument}[{t}]", value) for t, value in enumerate(values)]
-    full = [t for t, rows in enumerate(sets) if len(rows)]
-    for t in full:
-        if sets[t].shape[1] != sets[full[0]].shape[1]:
-            raise errors.dimension(argument, [t, 0], sets[t].shape[1], sets[full[0]].shape[1])
+    sets: list[Floats] = []
+    dimension: int | None = None
+    for t, value in enumerate(values):
+        sets.append(points(f"{argument}[{t}]", value, dimension))
+        if dimension is None and len(sets[-1]):
+            dimension = sets[-1].shape[1]
+    packed = [points for points in sets if len(points)]
     starts = np.cumsum([0, *map(len, sets)], dtype=np.int64)
-    return _with_coordinates(
-        argument, np.concatenate([sets[t] for t in full]) if full else np.empty((0, 0)), starts
-    )
-
-
-def _cube(argument: str, values: NDArray[Any]) -> Packed:
-    array = floats(argument, values)
-    if array.ndim < 2:
-        raise errors.shape(argument, array.shape, "(T, n, d)")
-    count, n = array.shape[:2]
-    size = array[0, 0].size if count and n else 0
-    return _with_coordinates(
-        argument, array.reshape(count * n, size), np.arange(count + 1, dtype=np.int64) * n
-    )
+    return np.concatenate(packed) if packed else np.empty((0, 0)), starts
 
 
 def _is_packed(values: Any) -> bool:
-    if not (isinstance(values, tuple) and len(values) == 2):
-        return False
-    if not all(isinstance(part, np.ndarray) for part in values):
-        return False
-    rows, starts = values
-    return rows.ndim == 2 and starts.ndim == 1 and starts.dtype.kind in "iu"
-
-
-def _with_coordinates(argument: str, rows: Floats, starts: NDArray[np.int64]) -> Packed:
-    if len(rows) and not rows.shape[1]:
-        raise ValueError(f"{argument} has points without coordinates")
-    return rows, starts
+    return (
+        isinstance(values, tuple)
+        and len(values) == 2
+        and all(isinstance(part, np.ndarray) for part in values)
+        and (values[0].ndim, values[1].ndim) == (2, 1)
+        and values[1].dtype.kind in "iu"
+    )

@@ -1,5 +1,6 @@
 """Argument checks that every twin shares; the Rust core does the same where it borrows."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from trackmetrics import errors
 
 Floats = NDArray[np.float64]
+Frames = tuple[Floats, NDArray[np.int64]]
 
 
 def plain(*arrays: Any) -> None:
@@ -46,20 +48,25 @@ def plain_ids(*arrays: Any) -> None:
             raise errors.NotPlain
 
 
-def frames(argument: str, packed: Any) -> list[Floats]:
-    """The sets of a packed sequence, points and offsets, checked; refuse what is not packed."""
+def plain_points(*arrays: Any) -> None:
+    """Refuse what is not a plain ``(n, d)`` array; points have coordinates."""
+    plain(*arrays)
+    if any(array.ndim != 2 or (len(array) and not array.size) for array in arrays):
+        raise errors.NotPlain
+
+
+def frames(argument: str, packed: Frames) -> list[Floats]:
+    """The point sets of a packed sequence: checked, and cut apart."""
     if type(packed) is not tuple or len(packed) != 2:
         raise errors.NotPlain
     points, starts = packed
-    plain(points)
+    plain_points(points)
     plain_ids(starts)
-    if points.ndim != 2 or starts is None:
-        raise errors.NotPlain
-    count = len(points) if points.shape[1] else 0
-    if not len(starts) or starts[0] != 0 or starts[-1] != count or (np.diff(starts) < 0).any():
-        raise errors.offsets(argument, count)
+    n = len(points)
+    if not (len(starts) and starts[0] == 0 and starts[-1] == n and (np.diff(starts) >= 0).all()):
+        raise errors.offsets(argument, n)
     if not np.isfinite(points).all():
         i, k = np.argwhere(~np.isfinite(points))[0]
         t = int(np.searchsorted(starts, i, side="right")) - 1
-        raise errors.not_finite(argument, [t, i - starts[t]], points[i, k])
-    return np.split(points, starts[1:-1]) if len(starts) > 1 else []
+        raise errors.not_finite(argument, [t, int(i - starts[t])], points[i, k])
+    return [points[a:b] for a, b in pairwise(starts)]

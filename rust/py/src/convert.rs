@@ -4,12 +4,13 @@
 //! has NumPy convert the argument, and calls again.
 
 use crate::error::{not_plain, raise};
-use crate::lists::{self, Array, Unpacked};
+use crate::lists::{Array, Packed, Unpacked};
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 use std::borrow::Cow;
 use trackmetrics_core::{Error, Frames, Points, Result};
 
-/// A set of points: a C-ordered `(n, d)` float64 array, or a list of arrays of `d` numbers each.
+/// A set of points: an array whose rows are points, or a list or tuple of points.
 pub(crate) struct PointSet<'a> {
     coordinates: Cow<'a, [f64]>,
     dimension: usize,
@@ -19,19 +20,18 @@ impl<'a> PointSet<'a> {
     /// Reads the argument of this name.
     pub(crate) fn read(argument: &'static str, object: &'a Bound<'_, PyAny>) -> PyResult<Self> {
         if let Some(array) = Array::borrow(object.as_borrowed())
-            && let (Some(coordinates), &[_, d]) = (array.floats(), array.shape())
+            && let (Some(coordinates), &[n, d]) = (array.floats(), array.shape())
+            && (d > 0 || n == 0)
         {
             return Ok(Self { coordinates: Cow::Borrowed(coordinates), dimension: d as usize });
         }
-        let (mut values, mut dimension) = (Vec::new(), None);
-        match lists::pack_points(object, &mut dimension, &mut values) {
-            Ok(_) => {
-                Ok(Self { coordinates: Cow::Owned(values), dimension: dimension.unwrap_or(0) })
-            }
-            Err(Unpacked::NotPlain) => Err(not_plain(object.py())),
-            Err(Unpacked::Dimension { index, found, expected }) => {
-                Err(raise(Error::Dimension { argument, index: vec![index], found, expected }))
-            }
+        let mut packed = Packed::default();
+        match packed.append_set(object) {
+            Ok(_) => Ok(Self {
+                coordinates: Cow::Owned(packed.values),
+                dimension: packed.dimension.unwrap_or(0),
+            }),
+            Err(unpacked) => Err(refuse(object.py(), argument, None, unpacked)),
         }
     }
 
@@ -41,8 +41,8 @@ impl<'a> PointSet<'a> {
     }
 }
 
-/// A sequence of point sets, packed: a list of sets of points, a C-ordered `(T, n, d)` float64
-/// array, or a tuple of points `(N, d)` and offsets `(T + 1,)`.
+/// A sequence of point sets, in any of three forms: a list or tuple of sets; a `(T, n, d)` array;
+/// or packed, as the tuple of `(N, d)` points and `(T + 1,)` starts.
 pub(crate) struct FrameSequence<'a> {
     coordinates: Cow<'a, [f64]>,
     starts: Cow<'a, [i64]>,
@@ -52,54 +52,79 @@ pub(crate) struct FrameSequence<'a> {
 impl<'a> FrameSequence<'a> {
     /// Reads the argument of this name.
     pub(crate) fn read(argument: &'static str, object: &'a Bound<'_, PyAny>) -> PyResult<Self> {
-        if let Some(frames) = Self::cube(object).or_else(|| Self::packed(object)) {
+        if let Some(frames) = Self::borrow_stacked(object).or_else(|| Self::borrow_packed(object)) {
             return Ok(frames);
         }
-        let (mut values, mut starts, mut dimension) = (Vec::new(), Vec::new(), None);
-        match lists::pack_frames(object, &mut dimension, &mut values, &mut starts) {
-            Ok(()) => Ok(Self {
-                coordinates: Cow::Owned(values),
-                starts: Cow::Owned(starts),
-                dimension: dimension.unwrap_or(0),
-            }),
-            Err((_, Unpacked::NotPlain)) => Err(not_plain(object.py())),
-            Err((frame, Unpacked::Dimension { index, found, expected })) => {
-                let index = vec![frame, index];
-                Err(raise(Error::Dimension { argument, index, found, expected }))
-            }
+        if let Ok(list) = object.cast_exact::<PyList>() {
+            Self::pack(argument, list.iter())
+        } else if let Ok(tuple) = object.cast_exact::<PyTuple>() {
+            Self::pack(argument, tuple.iter())
+        } else {
+            Err(not_plain(object.py()))
         }
     }
 
-    fn cube(object: &'a Bound<'_, PyAny>) -> Option<Self> {
-        let array = Array::borrow(object.as_borrowed())?;
-        let &[frames, n, d] = array.shape() else {
-            return None;
-        };
-        let coordinates = array.floats().filter(|values| !values.is_empty())?;
-        let starts = (0..=frames as i64).map(|t| t * n as i64).collect();
-        Some(Self {
-            coordinates: Cow::Borrowed(coordinates),
-            starts: Cow::Owned(starts),
-            dimension: d as usize,
-        })
+    /// How many coordinates all sets have together.
+    pub(crate) fn size(&self) -> usize {
+        self.coordinates.len()
     }
 
-    fn packed(object: &'a Bound<'_, PyAny>) -> Option<Self> {
-        let (points, starts) = lists::pair(object)?;
-        let &[_, d] = points.shape() else {
-            return None;
-        };
-        let starts = (starts.shape().len() == 1).then(|| starts.integers()).flatten()?;
-        Some(Self {
-            coordinates: Cow::Borrowed(points.floats()?),
-            starts: Cow::Borrowed(starts),
-            dimension: d as usize,
-        })
-    }
-
-    /// The sequence, checked.
+    /// The sets, checked.
     pub(crate) fn frames(&self, argument: &'static str) -> Result<Frames<'_>> {
         Frames::new(argument, &self.coordinates, &self.starts, self.dimension)
+    }
+
+    fn borrow_stacked(object: &'a Bound<'_, PyAny>) -> Option<Self> {
+        let array = Array::borrow(object.as_borrowed())?;
+        let &[frames, points, d] = array.shape() else { return None };
+        let coordinates = array.floats().filter(|_| d > 0 || frames * points == 0)?;
+        let starts = (0..=frames).map(|t| (t * points) as i64).collect();
+        Some(Self { coordinates: coordinates.into(), starts, dimension: d as usize })
+    }
+
+    fn borrow_packed(object: &'a Bound<'_, PyAny>) -> Option<Self> {
+        let pair = object.cast_exact::<PyTuple>().ok().filter(|pair| pair.len() == 2)?;
+        let points = Array::borrow(pair.get_borrowed_item(0).ok()?)?;
+        let starts = Array::borrow(pair.get_borrowed_item(1).ok()?)?;
+        if starts.shape().len() != 1 {
+            return None;
+        }
+        let (&[n, d], starts) = (points.shape(), starts.integers()?) else { return None };
+        let coordinates = points.floats().filter(|_| d > 0 || n == 0)?;
+        Some(Self { coordinates: coordinates.into(), starts: starts.into(), dimension: d as usize })
+    }
+
+    fn pack<'py>(
+        argument: &'static str,
+        sets: impl ExactSizeIterator<Item = Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut packed = Packed::default();
+        let mut starts = Vec::with_capacity(sets.len() + 1);
+        let mut end = 0;
+        starts.push(end);
+        for (t, set) in sets.enumerate() {
+            let count = packed.append_set(&set);
+            end += count.map_err(|unpacked| refuse(set.py(), argument, Some(t), unpacked))? as i64;
+            starts.push(end);
+        }
+        let dimension = packed.dimension.unwrap_or(0);
+        Ok(Self { coordinates: packed.values.into(), starts: starts.into(), dimension })
+    }
+}
+
+/// The exception for a set that was not packed: the `frame`-th of a sequence, or the only one.
+fn refuse(
+    py: Python<'_>,
+    argument: &'static str,
+    frame: Option<usize>,
+    unpacked: Unpacked,
+) -> PyErr {
+    match unpacked {
+        Unpacked::NotPlain => not_plain(py),
+        Unpacked::Dimension { index, found, expected } => {
+            let index = frame.into_iter().chain([index]).collect();
+            raise(Error::Dimension { argument, index, found, expected })
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use numpy::npyffi::{self, PyArrayObject};
 use numpy::{Element, PyArrayDescr};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 
 /// The element types that are read without NumPy's help.
 #[derive(Clone, Copy, PartialEq)]
@@ -128,116 +128,93 @@ fn kind(py: Python<'_>, descr: *const pyo3::ffi::PyObject) -> Option<Kind> {
 
 /// Why a list was not packed.
 pub(crate) enum Unpacked {
-    /// It is not a plain list of plain arrays.
+    /// It is not a plain list of plain arrays or numbers.
     NotPlain,
     /// The element of this index has `found` coordinates, those before it `expected`.
     Dimension { index: usize, found: usize, expected: usize },
 }
 
-/// Appends the arrays of a list or tuple to `values`, one point each, and returns how many points.
-///
-/// `dimension` is the number of coordinates of every point, set by the first where it is `None`.
-pub(crate) fn pack_points(
-    items: &Bound<'_, PyAny>,
-    dimension: &mut Option<usize>,
-    values: &mut Vec<f64>,
-) -> Result<usize, Unpacked> {
-    if let Ok(list) = items.cast_exact::<PyList>() {
-        pack(list.iter(), dimension, values)
-    } else if let Ok(tuple) = items.cast_exact::<PyTuple>() {
-        pack(tuple.iter(), dimension, values)
-    } else {
-        Err(Unpacked::NotPlain)
-    }
+/// Points on their way from Python's objects into one array.
+#[derive(Default)]
+pub(crate) struct Packed {
+    /// The coordinates, point by point.
+    pub(crate) values: Vec<f64>,
+    /// The number of coordinates of every point, set by the first.
+    pub(crate) dimension: Option<usize>,
 }
 
-fn pack<'py>(
-    items: impl ExactSizeIterator<Item = Bound<'py, PyAny>>,
-    dimension: &mut Option<usize>,
-    values: &mut Vec<f64>,
-) -> Result<usize, Unpacked> {
-    let count = items.len();
-    values.reserve(count * dimension.unwrap_or(3));
-    for (index, item) in items.enumerate() {
-        let array = Array::borrow(item.as_borrowed()).ok_or(Unpacked::NotPlain)?;
-        let found = array.size();
-        let expected = *dimension.get_or_insert(found);
-        if found != expected {
-            return Err(Unpacked::Dimension { index, found, expected });
+impl Packed {
+    /// Appends a set of points: an array whose rows are points, or a list or tuple of points.
+    #[inline]
+    pub(crate) fn append_set(&mut self, set: &Bound<'_, PyAny>) -> Result<usize, Unpacked> {
+        if let Ok(list) = set.cast_exact::<PyList>() {
+            self.append_points(list.iter())
+        } else if let Ok(tuple) = set.cast_exact::<PyTuple>() {
+            self.append_points(tuple.iter())
+        } else {
+            self.append_rows(&Array::borrow(set.as_borrowed()).ok_or(Unpacked::NotPlain)?)
         }
+    }
+
+    fn append_points<'py>(
+        &mut self,
+        points: impl ExactSizeIterator<Item = Bound<'py, PyAny>>,
+    ) -> Result<usize, Unpacked> {
+        let count = points.len();
+        self.values.reserve(count * self.dimension.unwrap_or(2));
+        for (index, point) in points.enumerate() {
+            let before = self.values.len();
+            append_point(&point, &mut self.values)?;
+            self.check_dimension(index, self.values.len() - before)?;
+        }
+        Ok(count)
+    }
+
+    fn append_rows(&mut self, rows: &Array<'_>) -> Result<usize, Unpacked> {
+        let (&count, row) = rows.shape().split_first().ok_or(Unpacked::NotPlain)?;
+        if count > 0 {
+            self.check_dimension(0, row.iter().product::<isize>() as usize)?;
+            rows.append_to(&mut self.values);
+        }
+        Ok(count as usize)
+    }
+
+    #[inline]
+    fn check_dimension(&mut self, index: usize, found: usize) -> Result<(), Unpacked> {
+        let expected = *self.dimension.get_or_insert(found);
         if found == 0 {
-            return Err(Unpacked::NotPlain);
+            Err(Unpacked::NotPlain)
+        } else if found != expected {
+            Err(Unpacked::Dimension { index, found, expected })
+        } else {
+            Ok(())
         }
+    }
+}
+
+/// Appends the coordinates of one point: an array, a list or tuple of numbers, or a number.
+#[inline]
+fn append_point(point: &Bound<'_, PyAny>, values: &mut Vec<f64>) -> Result<(), Unpacked> {
+    if let Some(array) = Array::borrow(point.as_borrowed()) {
         array.append_to(values);
-    }
-    Ok(count)
-}
-
-/// Appends the frames of a list or tuple to `values`, and their offsets to `starts`.
-///
-/// A frame is an `(n, d)` array or what [`pack_points`] takes; the error names the frame.
-pub(crate) fn pack_frames(
-    frames: &Bound<'_, PyAny>,
-    dimension: &mut Option<usize>,
-    values: &mut Vec<f64>,
-    starts: &mut Vec<i64>,
-) -> Result<(), (usize, Unpacked)> {
-    if let Ok(list) = frames.cast_exact::<PyList>() {
-        pack_each_frame(list.iter(), dimension, values, starts)
-    } else if let Ok(tuple) = frames.cast_exact::<PyTuple>() {
-        pack_each_frame(tuple.iter(), dimension, values, starts)
+        Ok(())
+    } else if let Ok(list) = point.cast_exact::<PyList>() {
+        list.iter().try_for_each(|number| append_number(&number, values))
+    } else if let Ok(tuple) = point.cast_exact::<PyTuple>() {
+        tuple.iter().try_for_each(|number| append_number(&number, values))
     } else {
-        Err((0, Unpacked::NotPlain))
+        append_number(point, values)
     }
 }
 
-fn pack_each_frame<'py>(
-    frames: impl ExactSizeIterator<Item = Bound<'py, PyAny>>,
-    dimension: &mut Option<usize>,
-    values: &mut Vec<f64>,
-    starts: &mut Vec<i64>,
-) -> Result<(), (usize, Unpacked)> {
-    let mut points = 0;
-    starts.reserve(frames.len() + 1);
-    starts.push(0);
-    for (t, frame) in frames.enumerate() {
-        points += match Array::borrow(frame.as_borrowed()) {
-            Some(array) => pack_rows(&array, dimension, values),
-            None => pack_points(&frame, dimension, values),
-        }
-        .map_err(|error| (t, error))?;
-        starts.push(points as i64);
+#[inline]
+fn append_number(number: &Bound<'_, PyAny>, values: &mut Vec<f64>) -> Result<(), Unpacked> {
+    if let Ok(float) = number.cast::<PyFloat>() {
+        values.push(float.value());
+    } else if let Ok(integer) = number.cast_exact::<PyInt>() {
+        values.push(integer.extract::<i64>().map_err(|_| Unpacked::NotPlain)? as f64);
+    } else {
+        return Err(Unpacked::NotPlain);
     }
     Ok(())
-}
-
-/// Appends the rows of an `(n, d)` array, one point each.
-fn pack_rows(
-    array: &Array<'_>,
-    dimension: &mut Option<usize>,
-    values: &mut Vec<f64>,
-) -> Result<usize, Unpacked> {
-    let &[rows, found] = array.shape() else {
-        return Err(Unpacked::NotPlain);
-    };
-    let (rows, found) = (rows as usize, found as usize);
-    if rows == 0 {
-        return Ok(0);
-    }
-    let expected = *dimension.get_or_insert(found);
-    if found != expected {
-        return Err(Unpacked::Dimension { index: 0, found, expected });
-    }
-    if found == 0 {
-        return Err(Unpacked::NotPlain);
-    }
-    array.append_to(values);
-    Ok(rows)
-}
-
-/// The two arrays of a tuple of two.
-pub(crate) fn pair<'a>(object: &'a Bound<'_, PyAny>) -> Option<(Array<'a>, Array<'a>)> {
-    let tuple = object.cast_exact::<PyTuple>().ok().filter(|tuple| tuple.len() == 2)?;
-    let item = |i| tuple.get_borrowed_item(i).ok().and_then(Array::borrow);
-    Some((item(0)?, item(1)?))
 }

@@ -5,6 +5,9 @@ use crate::error::raise;
 use pyo3::prelude::*;
 use trackmetrics_core::tracking::{frames, labels as kernel};
 
+/// From this many coordinates on the work is worth letting go of the interpreter.
+const WORTH_DETACHING: usize = 400;
+
 /// MOTA, MOTP, switches, fragmentations, false positives and misses of a sequence.
 type Scores = (f64, f64, usize, usize, usize, usize);
 
@@ -19,10 +22,12 @@ pub(crate) fn mot_metrics(
 ) -> PyResult<Scores> {
     let ground_truth = FrameSequence::read("ground_truth", ground_truth)?;
     let estimates = FrameSequence::read("estimates", estimates)?;
-    let scores = py.detach(|| {
+    let compute = || {
         let ground_truth = ground_truth.frames("ground_truth")?;
         frames::mot_metrics(ground_truth, estimates.frames("estimates")?, threshold)
-    });
+    };
+    let detach = ground_truth.size().min(estimates.size()) >= WORTH_DETACHING;
+    let scores = if detach { py.detach(compute) } else { compute() };
     let s = scores.map_err(raise)?;
     Ok((s.mota, s.motp, s.switches, s.fragmentations, s.false_positives, s.misses))
 }
