@@ -12,7 +12,7 @@ from trackmetrics._backend import backend, set_threads, threads, use_backend
 from trackmetrics._version import __version__
 from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
 from trackmetrics.consistency import nees
-from trackmetrics.point_sets import ospa
+from trackmetrics.point_sets import ospa, ospa_over_time
 from trackmetrics.results import BottleneckAssignment, MOTMetrics, OSPAResult
 from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
 
@@ -28,6 +28,7 @@ __all__ = [
     "mot_metrics",
     "nees",
     "ospa",
+    "ospa_over_time",
     "set_threads",
     "threads",
     "track_fragmentation",

@@ -6,7 +6,7 @@ so the listing of this folder is the list of kernels.
 
 from trackmetrics._numpy.assignment import bottleneck_assignment, linear_sum_assignment
 from trackmetrics._numpy.consistency import nees
-from trackmetrics._numpy.point_sets import ospa
+from trackmetrics._numpy.point_sets import ospa, ospa_over_time
 from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
 from trackmetrics._numpy.tracking import (
     identity_switches,
@@ -24,6 +24,7 @@ __all__ = [
     "mot_metrics",
     "nees",
     "ospa",
+    "ospa_over_time",
     "set_simd",
     "set_threads",
     "simd",

@@ -35,6 +35,11 @@ impl<'a> PointSet<'a> {
         }
     }
 
+    /// How many coordinates.
+    pub(crate) fn size(&self) -> usize {
+        self.coordinates.len()
+    }
+
     /// The points, checked.
     pub(crate) fn points(&self, argument: &'static str) -> Result<Points<'_>> {
         Points::new(argument, &self.coordinates, self.dimension)

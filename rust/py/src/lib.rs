@@ -30,7 +30,7 @@ mod _native {
     use crate::{
         assignment::{bottleneck_assignment, linear_sum_assignment},
         consistency::nees,
-        point_sets::ospa,
+        point_sets::{ospa, ospa_over_time},
         settings::{set_simd, set_threads, simd, threads},
         tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},
     };

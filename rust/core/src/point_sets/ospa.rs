@@ -7,13 +7,23 @@
 //! ```
 //!
 //! Schuhmacher, Vo and Vo, "A consistent metric for performance evaluation of multi-object
-//! filters", IEEE Trans. Signal Processing 56(8), 2008, doi:10.1109/TSP.2008.920469.
+//! filters", IEEE Trans. Signal Processing 56(8), 2008, doi:10.1109/TSP.2008.920469, equations 3
+//! and 4.
 //!
-//! Two empty sets are at distance 0; an empty and a non-empty one at distance c.
+//! Two empty sets are at distance 0; an empty and a non-empty one at distance c. With `p`
+//! infinite the sum is a maximum, and the distance is c where cardinalities differ. With `c`
+//! infinite the distance is infinite where cardinalities differ. Orders below 1 are computed, but
+//! do not give a metric.
+//!
+//! Cost: O(m n) where no two points want the same partner, O(m^2 n) at worst.
 
-use crate::assignment::dense;
+use super::cutoff::Cutoff;
+use super::{extreme, matching, rows, tiny};
 use crate::error::{Error, Result};
-use crate::points::Points;
+use crate::points::{Frames, Points};
+use crate::{simd, threads};
+use pulp::{Simd, WithSimd};
+use std::ops::RangeInclusive;
 
 /// OSPA and the two parts it is made of: `ospa^p = localization^p + cardinality^p`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,8 +39,8 @@ pub struct Ospa {
 /// What OSPA of one frame needs and the next frame can use again.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    costs: Vec<f64>,
-    assignment: dense::Workspace,
+    axes: Vec<f64>,
+    matching: matching::Workspace,
 }
 
 /// OSPA of order `p` and cutoff `c` between two sets.
@@ -39,53 +49,212 @@ pub struct Workspace {
 /// [`Error::Parameter`] for a cutoff or an order that is not positive, [`Error::Dimension`] for
 /// points of different dimensions.
 pub fn ospa(x: Points, y: Points, c: f64, p: f64, work: &mut Workspace) -> Result<Ospa> {
-    check_parameters(c, p)?;
-    check_dimensions(x, y)?;
-    let (n, m) = (x.len().max(y.len()), x.len().min(y.len()));
-    if n == 0 {
-        return Ok(Ospa { distance: 0.0, localization: 0.0, cardinality: 0.0 });
+    let cutoff = Cutoff::new(c, p)?;
+    let (expected, found) = (x.dimension(), y.dimension());
+    if !x.is_empty() && !y.is_empty() && found != expected {
+        return Err(Error::Dimension { argument: "Y", index: vec![0], found, expected });
     }
-    if m == 0 {
-        return Ok(Ospa { distance: c, localization: 0.0, cardinality: c });
+    if x.len().max(y.len()) <= tiny::LARGEST {
+        return of_frame(pulp::Scalar::new(), x, y, &cutoff, work);
     }
-    work.costs.clear();
-    for i in 0..x.len() {
-        let a = x.point(i);
-        work.costs.extend((0..y.len()).map(|j| {
-            let square: f64 = a.iter().zip(y.point(j)).map(|(a, b)| (a - b) * (a - b)).sum();
-            let d = square.sqrt();
-            if d >= c { c.powf(p) } else { d.powf(p) }
-        }));
-    }
-    let columns = dense::solve(&work.costs, x.len(), y.len(), &mut work.assignment)?;
-    let total: f64 = columns
-        .iter()
-        .enumerate()
-        .filter(|(_, j)| **j < y.len())
-        .map(|(i, &j)| work.costs[i * y.len() + j])
-        .sum();
-    let missing = c.powf(p) * (n - m) as f64;
-    let root = |sum: f64| (sum / n as f64).powf(1.0 / p);
-    Ok(Ospa {
-        distance: root(total + missing),
-        localization: root(total),
-        cardinality: root(missing),
+    simd::dispatch(OneFrame { x, y, cutoff: &cutoff, work })
+}
+
+/// OSPA of every pair of sets of two sequences, into `output`.
+///
+/// # Errors
+/// As [`ospa`], and [`Error::Length`] where the sequences are not equally long.
+pub fn ospa_over_time(x: Frames, y: Frames, c: f64, p: f64, output: &mut [f64]) -> Result<()> {
+    let cutoff = Cutoff::new(c, p)?;
+    check_sequences(x, y)?;
+    debug_assert_eq!(output.len(), x.len());
+    threads::fill(output, frames_per_piece(x, y), |first, output| {
+        simd::dispatch(ManyFrames { x, y, first, cutoff: &cutoff, output })
     })
 }
 
-fn check_parameters(c: f64, p: f64) -> Result<()> {
-    for (argument, value) in [("c", c), ("p", p)] {
-        if value.is_nan() || value <= 0.0 {
-            return Err(Error::Parameter { argument, requirement: "positive", value });
-        }
+fn check_sequences(x: Frames, y: Frames) -> Result<()> {
+    let argument = "Y_sequence";
+    if x.len() != y.len() {
+        let (found, expected) = (y.len(), x.len());
+        return Err(Error::Length {
+            argument,
+            found,
+            other: "X_sequence",
+            expected,
+            unit: "time steps",
+        });
+    }
+    let (found, expected) = (y.dimension(), x.dimension());
+    if !x.has_no_points() && !y.has_no_points() && found != expected {
+        return Err(Error::Dimension { argument, index: Vec::new(), found, expected });
     }
     Ok(())
 }
 
-fn check_dimensions(x: Points, y: Points) -> Result<()> {
-    let (expected, found) = (x.dimension(), y.dimension());
-    if x.is_empty() || y.is_empty() || found == expected {
-        return Ok(());
+/// Pieces worth a thread: measured, handing one over costs about as much as 100 000 pairs of points
+/// take, and a frame without any costs as much as 40 pairs.
+fn frames_per_piece(x: Frames, y: Frames) -> usize {
+    const PAIRS: usize = 100_000;
+    let frames = x.len().max(1);
+    PAIRS / (40 + (x.points() / frames) * (y.points() / frames)) + 1
+}
+
+struct OneFrame<'a> {
+    x: Points<'a>,
+    y: Points<'a>,
+    cutoff: &'a Cutoff,
+    work: &'a mut Workspace,
+}
+
+impl WithSimd for OneFrame<'_> {
+    type Output = Result<Ospa>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        of_frame(simd, self.x, self.y, self.cutoff, self.work)
     }
-    Err(Error::Dimension { argument: "Y", index: vec![0], found, expected })
+}
+
+struct ManyFrames<'a> {
+    x: Frames<'a>,
+    y: Frames<'a>,
+    first: usize,
+    cutoff: &'a Cutoff,
+    output: &'a mut [f64],
+}
+
+impl WithSimd for ManyFrames<'_> {
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let work = &mut Workspace::default();
+        for (t, output) in (self.first..).zip(self.output) {
+            let (x, y) = (self.x.frame(t), self.y.frame(t));
+            *output = of_frame(simd, x, y, self.cutoff, work)?.distance;
+        }
+        Ok(())
+    }
+}
+
+#[inline(always)]
+fn of_frame<S: Simd>(
+    simd: S,
+    x: Points,
+    y: Points,
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+) -> Result<Ospa> {
+    let (x, y) = if x.len() > y.len() { (y, x) } else { (x, y) };
+    if y.is_empty() {
+        return Ok(Ospa { distance: 0.0, localization: 0.0, cardinality: 0.0 });
+    }
+    if x.is_empty() {
+        return Ok(Ospa { distance: cutoff.c(), localization: 0.0, cardinality: cutoff.c() });
+    }
+    if cutoff.p() == f64::INFINITY || !cutoff.has_square() {
+        return extreme::ospa(x, y, cutoff);
+    }
+    let total = least_total(simd, x, y, cutoff, work);
+    let result = from_total(total, x.len(), y.len(), cutoff);
+    let is_exact = total_is_exact(total, result.localization)
+        || (total == 0.0 && extreme::zero_is_exact(x, y, cutoff));
+    if is_exact && (x.len() == y.len() || missing_is_exact(cutoff)) {
+        return Ok(result);
+    }
+    extreme::ospa(x, y, cutoff)
+}
+
+#[inline(always)]
+fn least_total<S: Simd>(
+    simd: S,
+    x: Points,
+    y: Points,
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+) -> f64 {
+    if y.len() <= tiny::LARGEST {
+        return tiny::least_total(x, y, cutoff);
+    }
+    let Workspace { axes, matching } = work;
+    rows::lay_out(y, axes);
+    matching.start(x.len(), y.len());
+    rows::enter_rows(simd, x, axes, cutoff, matching);
+    matching.solve(simd, cutoff.most())
+}
+
+/// The three results from the least total cost of `m <= n` pairs.
+#[inline(always)]
+fn from_total(total: f64, m: usize, n: usize, cutoff: &Cutoff) -> Ospa {
+    let root = |sum: f64| cutoff.root(sum / n as f64);
+    let localization = root(total);
+    if m == n {
+        return Ospa { distance: localization, localization, cardinality: 0.0 };
+    }
+    let missing = cutoff.most() * (n - m) as f64;
+    Ospa { distance: root(total + missing), localization, cardinality: root(missing) }
+}
+
+/// Powers in this range keep their digits, and so do sums and quotients of a few of them.
+const POWERS: RangeInclusive<f64> = 1e-250..=1e250;
+
+/// Whether no power and no square that matters to the total has left the range of floats.
+#[inline(always)]
+fn total_is_exact(total: f64, localization: f64) -> bool {
+    POWERS.contains(&total) && (1e-100..=1e140).contains(&localization)
+}
+
+#[inline(always)]
+fn missing_is_exact(cutoff: &Cutoff) -> bool {
+    cutoff.c() == f64::INFINITY || POWERS.contains(&cutoff.most())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{Width, set_width};
+
+    fn points(n: usize, d: usize, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let next = |_| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f64 / 1000.0
+        };
+        (0..n * d).map(next).collect()
+    }
+
+    #[test]
+    fn the_same_bits_on_every_width() {
+        for (n, m, d) in [(4, 4, 2), (9, 13, 1), (17, 17, 3), (40, 33, 4), (20, 20, 6)] {
+            let (x, y) = (points(n, d, 1), points(m, d, 2));
+            let x = Points::new("X", &x, d).unwrap();
+            let y = Points::new("Y", &y, d).unwrap();
+            for p in [1.0, 2.0, 4.0] {
+                let results = [Width::Scalar, Width::V3, Width::Widest].map(|width| {
+                    set_width(width);
+                    ospa(x, y, 5000.0, p, &mut Workspace::default()).unwrap()
+                });
+                assert_eq!(results[0], results[1], "{n} {m} {d} {p}");
+                assert_eq!(results[0], results[2], "{n} {m} {d} {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_thread_or_two_give_the_same_bits() {
+        let frames = 20_000;
+        let (x, y) = (points(frames * 5, 2, 3), points(frames * 5, 2, 4));
+        let starts: Vec<i64> = (0..=frames as i64).map(|t| 5 * t).collect();
+        let x = Frames::new("X_sequence", &x, &starts, 2).unwrap();
+        let y = Frames::new("Y_sequence", &y, &starts, 2).unwrap();
+        let results = [1, 2].map(|count| {
+            threads::set_threads(count);
+            let mut output = vec![0.0; frames];
+            ospa_over_time(x, y, 2000.0, 2.0, &mut output).unwrap();
+            output
+        });
+        threads::set_threads(0);
+        assert_eq!(results[0], results[1]);
+    }
 }

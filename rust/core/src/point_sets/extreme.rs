@@ -1,0 +1,70 @@
+//! OSPA where powers of distances would leave the range of floats, and for infinite order.
+//!
+//! Everything is measured in units of the bottleneck distance `b`, the smallest possible largest
+//! distance of a matched pair. In these units the least total lies between 1 and the number of
+//! pairs, whatever the order: what is far below 1 is lost without loss, and what is above the
+//! number of pairs is never chosen.
+
+use super::cutoff::Cutoff;
+use super::ospa::Ospa;
+use crate::assignment::{bottleneck, dense};
+use crate::error::Result;
+use crate::points::Points;
+
+/// OSPA of two sets, `1 <= x.len() <= y.len()`, at any order and any scale.
+#[cold]
+pub(super) fn ospa(x: Points, y: Points, cutoff: &Cutoff) -> Result<Ospa> {
+    let (m, n) = (x.len(), y.len());
+    let mut distances = truncated_distances(x, y, cutoff.c());
+    let unit = bottleneck::solve(&distances, m, n, &mut Default::default())?.0;
+    let total = if unit == 0.0 || cutoff.p() == f64::INFINITY {
+        (unit > 0.0).into()
+    } else {
+        distances.iter_mut().for_each(|d| *d = (*d / unit).powf(cutoff.p()).min(2.0 * n as f64));
+        least_total(&distances, m, n)?
+    };
+    Ok(combine(unit, total, m, n, cutoff))
+}
+
+/// The three results from a total in units of `unit^p`.
+fn combine(unit: f64, total: f64, m: usize, n: usize, cutoff: &Cutoff) -> Ospa {
+    let root = |sum: f64| (sum / n as f64).powf(1.0 / cutoff.p());
+    let localization = if unit == 0.0 { 0.0 } else { unit * root(total) };
+    if m == n {
+        return Ospa { distance: localization, localization, cardinality: 0.0 };
+    }
+    let (c, alone) = (cutoff.c(), (n - m) as f64);
+    let both = if c == f64::INFINITY { alone } else { alone + (unit / c).powf(cutoff.p()) * total };
+    Ospa { distance: c * root(both), localization, cardinality: c * root(alone) }
+}
+
+fn truncated_distances(x: Points, y: Points, c: f64) -> Vec<f64> {
+    let pairs = (0..x.len()).flat_map(|i| (0..y.len()).map(move |j| (i, j)));
+    pairs.map(|(i, j)| distance(x.point(i), y.point(j)).min(c).min(f64::MAX)).collect()
+}
+
+/// The Euclidean distance, in units of its largest component: no square overflows.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let differences = || a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    let largest = differences().fold(0.0, f64::max);
+    if largest == 0.0 || largest == f64::INFINITY {
+        return largest;
+    }
+    largest * differences().map(|d| (d / largest) * (d / largest)).sum::<f64>().sqrt()
+}
+
+fn least_total(costs: &[f64], m: usize, n: usize) -> Result<f64> {
+    let mut work = dense::Workspace::default();
+    let columns = dense::solve(costs, m, n, &mut work)?;
+    Ok(columns.iter().enumerate().map(|(i, j)| costs[i * n + j]).sum())
+}
+
+/// Whether a total of zero is owed to equal points, and not to differences so small that their
+/// powers vanish.
+pub(super) fn zero_is_exact(x: Points, y: Points, cutoff: &Cutoff) -> bool {
+    let d = x.dimension();
+    let mut differences = y.coordinates().chunks_exact(d).flat_map(|b| {
+        x.coordinates().chunks_exact(d).flat_map(move |a| a.iter().zip(b).map(|(a, b)| a - b))
+    });
+    differences.all(|d| d == 0.0 || (d.abs() > 1e-100 && cutoff.cost(d.abs()) > 1e-250))
+}

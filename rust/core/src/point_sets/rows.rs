@@ -1,0 +1,159 @@
+//! A row of costs in one pass: distances from one point to all points of the other set, cut off,
+//! with the least of them and where it stands.
+//!
+//! The points of the other set stand axis by axis, each axis padded to whole vectors with
+//! infinity, so that what is beyond the end is beyond the cutoff. Sums of squares are written
+//! without fused multiply-add, axis after axis: the same bits on every machine.
+
+use super::cutoff::{Cutoff, Power};
+use super::matching::Workspace;
+use crate::points::Points;
+use pulp::Simd;
+
+/// Rows are padded to a multiple of this many numbers: the widest vector, so that the layout does
+/// not depend on the machine.
+pub(super) const PADDING: usize = 8;
+
+const LANES: [f64; PADDING] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// The least of many numbers below a bound, and the first place where it stands.
+#[derive(Clone, Copy)]
+pub(super) struct Lowest<S: Simd> {
+    value: S::f64s,
+    /// Where each lane's least value stands.
+    place: S::f64s,
+    here: S::f64s,
+    step: S::f64s,
+}
+
+impl<S: Simd> Lowest<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, bound: f64) -> Self {
+        let first = S::as_simd_f64s(&LANES).0[0];
+        Self {
+            value: simd.splat_f64s(bound),
+            place: first,
+            here: first,
+            step: simd.splat_f64s(S::F64_LANES as f64),
+        }
+    }
+
+    /// Looks at the next vector of numbers.
+    #[inline(always)]
+    pub(super) fn take(&mut self, simd: S, values: S::f64s) {
+        let less = simd.less_than_f64s(values, self.value);
+        self.value = simd.select_f64s(less, values, self.value);
+        self.place = simd.select_f64s(less, self.here, self.place);
+        self.here = simd.add_f64s(self.here, self.step);
+    }
+
+    /// The least value and the first place of it, where one is below the bound.
+    #[inline(always)]
+    pub(super) fn finish(self, simd: S, bound: f64) -> Option<(f64, usize)> {
+        let least = simd.reduce_min_f64s(self.value);
+        if least >= bound {
+            return None;
+        }
+        let here = simd.equal_f64s(self.value, simd.splat_f64s(least));
+        let places = simd.select_f64s(here, self.place, simd.splat_f64s(f64::INFINITY));
+        Some((least, simd.reduce_min_f64s(places) as usize))
+    }
+}
+
+/// Writes the points of a set axis by axis.
+#[inline(always)]
+pub(super) fn lay_out(points: Points, axes: &mut Vec<f64>) {
+    let (n, d) = (points.len(), points.dimension());
+    let stride = n.next_multiple_of(PADDING);
+    axes.resize(d * stride, 0.0);
+    for (k, axis) in axes.chunks_exact_mut(stride).enumerate() {
+        let values = points.coordinates().iter().skip(k).step_by(d);
+        axis.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
+        axis[n..].fill(f64::INFINITY);
+    }
+}
+
+/// Enters every point of `x` as a row of costs against the points laid out in `axes`.
+#[inline(always)]
+pub(super) fn enter_rows<S: Simd>(
+    simd: S,
+    x: Points,
+    axes: &[f64],
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+) {
+    match (x.dimension(), cutoff.power()) {
+        (1, Power::Two) => fused::<S, 1, false>(simd, x, axes, cutoff, work),
+        (2, Power::Two) => fused::<S, 2, false>(simd, x, axes, cutoff, work),
+        (3, Power::Two) => fused::<S, 3, false>(simd, x, axes, cutoff, work),
+        (4, Power::Two) => fused::<S, 4, false>(simd, x, axes, cutoff, work),
+        (1, Power::One) => fused::<S, 1, true>(simd, x, axes, cutoff, work),
+        (2, Power::One) => fused::<S, 2, true>(simd, x, axes, cutoff, work),
+        (3, Power::One) => fused::<S, 3, true>(simd, x, axes, cutoff, work),
+        (4, Power::One) => fused::<S, 4, true>(simd, x, axes, cutoff, work),
+        _ => stepwise(simd, x, axes, cutoff, work),
+    }
+}
+
+/// Up to four dimensions, order 1 (`ROOT`) or 2: everything in one pass.
+#[inline(always)]
+fn fused<S: Simd, const D: usize, const ROOT: bool>(
+    simd: S,
+    x: Points,
+    axes: &[f64],
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+) {
+    let stride = work.stride;
+    let near = simd.splat_f64s(cutoff.square());
+    let most = simd.splat_f64s(cutoff.most());
+    let axes: [&[S::f64s]; D] =
+        std::array::from_fn(|k| S::as_simd_f64s(&axes[k * stride..(k + 1) * stride]).0);
+    for (i, point) in x.coordinates().chunks_exact(D).enumerate() {
+        let point: [S::f64s; D] = std::array::from_fn(|k| simd.splat_f64s(point[k]));
+        let row = S::as_mut_simd_f64s(work.row(i)).0;
+        let mut lowest = Lowest::new(simd, cutoff.most());
+        for (b, to) in row.iter_mut().enumerate() {
+            let square = squared_distance(simd, &point, &axes, b);
+            let raised = if ROOT { simd.sqrt_f64s(square) } else { square };
+            let cost = simd.select_f64s(simd.less_than_f64s(square, near), raised, most);
+            *to = cost;
+            lowest.take(simd, cost);
+        }
+        work.enter(lowest.finish(simd, cutoff.most()), cutoff.most());
+    }
+}
+
+#[inline(always)]
+fn squared_distance<S: Simd, const D: usize>(
+    simd: S,
+    point: &[S::f64s; D],
+    axes: &[&[S::f64s]; D],
+    b: usize,
+) -> S::f64s {
+    let first = simd.sub_f64s(point[0], axes[0][b]);
+    let mut sum = simd.mul_f64s(first, first);
+    for k in 1..D {
+        let difference = simd.sub_f64s(point[k], axes[k][b]);
+        sum = simd.add_f64s(sum, simd.mul_f64s(difference, difference));
+    }
+    sum
+}
+
+/// Any dimension and order: squares axis by axis, then costs, then the least of them.
+#[inline(always)]
+fn stepwise<S: Simd>(simd: S, x: Points, axes: &[f64], cutoff: &Cutoff, work: &mut Workspace) {
+    for i in 0..x.len() {
+        let row = work.row(i);
+        row.fill(0.0);
+        for (a, axis) in x.point(i).iter().zip(axes.chunks_exact(row.len())) {
+            for (sum, b) in row.iter_mut().zip(axis) {
+                *sum += (a - b) * (a - b);
+            }
+        }
+        row.iter_mut().for_each(|cost| *cost = cutoff.cost_of_square(*cost));
+        let mut lowest = Lowest::new(simd, cutoff.most());
+        S::as_simd_f64s(row).0.iter().for_each(|costs| lowest.take(simd, *costs));
+        work.enter(lowest.finish(simd, cutoff.most()), cutoff.most());
+    }
+}
