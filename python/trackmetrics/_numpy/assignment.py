@@ -1,5 +1,7 @@
 """Who is matched with whom: twin of ``assignment`` in the core."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -70,35 +72,16 @@ def _solve_bottleneck_wide(costs: Floats) -> tuple[float, Indices, Indices]:
     column_of_row, row_of_column = np.full(rows, -1), np.full(columns, -1)
     if rows == 0:
         return np.nan, column_of_row, row_of_column
-    bound = costs.min(axis=1).max()
+    bound = float(costs.min(axis=1).max())
+
+    def through(length: float, i: int, j: Indices) -> Floats:
+        highest: Floats = np.maximum(costs[i, j], length)
+        return highest
+
     for row in range(rows):
-        sink, bound, previous = _lowest_path(costs, row, bound, row_of_column)
+        sink, bound, _, previous, _ = _shortest_path(row, bound, row_of_column, through)
         augment(row, sink, previous, column_of_row, row_of_column)
-    return float(bound), column_of_row, row_of_column
-
-
-def _lowest_path(
-    costs: Floats, row: int, bound: float, row_of_column: Indices
-) -> tuple[int, float, Indices]:
-    """The free column at the end of the path whose largest cost is the smallest."""
-    height, previous = np.full(costs.shape[1], np.inf), np.full(costs.shape[1], -1)
-    reached = np.zeros(costs.shape[1], dtype=bool)
-    taken, i = row_of_column >= 0, row
-    while True:
-        through = np.maximum(costs[i], bound)
-        lower = through < height
-        height[lower], previous[lower] = through[lower], i
-        open_height = np.where(reached, np.inf, height)
-        bound = open_height.min()
-        if bound == np.inf:
-            raise errors.infeasible()
-        # A free column before a taken one, then the one of lower index.
-        nearest = np.flatnonzero(open_height == bound)
-        j = int(nearest[np.argmin(taken[nearest])])
-        reached[j] = True
-        if not taken[j]:
-            return j, bound, previous
-        i = int(row_of_column[j])
+    return bound, column_of_row, row_of_column
 
 
 def augment(
@@ -114,15 +97,19 @@ def augment(
             return
 
 
-def _solve_wide(costs: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _solve_wide(costs: Floats) -> tuple[Indices, Indices]:
     rows, columns = costs.shape
     u, v = np.zeros(rows), np.zeros(columns)
     column_of_row, row_of_column = np.full(rows, -1), np.full(columns, -1)
+
+    def through(length: float, i: int, j: Indices) -> Floats:
+        reduced: Floats = length + costs[i, j] - u[i] - v[j]
+        return reduced
+
     for row in range(rows):
-        sink, length, distance, previous, reached = _shortest_path(costs, row, u, v, row_of_column)
-        inner = reached[:-1]
+        sink, length, distance, previous, reached = _shortest_path(row, 0.0, row_of_column, through)
         u[row] += length
-        for j in inner:
+        for j in reached[:-1]:
             u[row_of_column[j]] += length - distance[j]
         for j in reached:
             v[j] -= length - distance[j]
@@ -131,20 +118,27 @@ def _solve_wide(costs: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _shortest_path(
-    costs: Floats, row: int, u: Floats, v: Floats, row_of_column: NDArray[np.int64]
-) -> tuple[int, float, Floats, NDArray[np.int64], list[int]]:
-    """The nearest free column along reduced costs, and the columns reached on the way."""
-    columns = costs.shape[1]
+    row: int,
+    length: float,
+    row_of_column: Indices,
+    through: Callable[[float, int, Indices], Floats],
+) -> tuple[int, float, Floats, Indices, list[int]]:
+    """The nearest free column, its distance, and the columns reached on the way.
+
+    ``through(length, i, columns)`` are the lengths of a path of this length to row i and then to
+    these columns.
+    """
+    columns = len(row_of_column)
     remaining = np.arange(columns)[::-1].copy()
     distance, previous = np.full(columns, np.inf), np.full(columns, -1)
     reached: list[int] = []
-    i, length = row, 0.0
+    i = row
     while True:
-        through = length + costs[i, remaining] - u[i] - v[remaining]
-        shorter = through < distance[remaining]
-        distance[remaining[shorter]] = through[shorter]
+        lengths = through(length, i, remaining)
+        shorter = lengths < distance[remaining]
+        distance[remaining[shorter]] = lengths[shorter]
         previous[remaining[shorter]] = i
-        length = distance[remaining].min()
+        length = float(distance[remaining].min())
         if length == np.inf:
             raise errors.infeasible()
         # The first minimum, unless a free column ties with it: then the last of those.
@@ -156,5 +150,5 @@ def _shortest_path(
         remaining = remaining[:-1]
         reached.append(j)
         if row_of_column[j] < 0:
-            return j, float(length), distance, previous, reached
+            return j, length, distance, previous, reached
         i = int(row_of_column[j])

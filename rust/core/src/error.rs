@@ -84,6 +84,8 @@ pub enum Error {
     InvalidCosts,
     /// A cost matrix in which every complete assignment has an infinite cost.
     Infeasible,
+    /// Whoever called the kernel asked it to stop.
+    Interrupted,
 }
 
 impl fmt::Display for Error {
@@ -116,6 +118,7 @@ impl fmt::Display for Error {
             }
             Self::InvalidCosts => write!(f, "matrix contains invalid numeric entries"),
             Self::Infeasible => write!(f, "cost matrix is infeasible"),
+            Self::Interrupted => write!(f, "interrupted"),
         }
     }
 }

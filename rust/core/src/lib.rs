@@ -4,7 +4,7 @@
 //!
 //! | room | what it holds |
 //! | --- | --- |
-//! | [`error`], [`points`], [`threads`], [`simd`] | errors with numbers in them; borrowed point sets; the pool; the width chosen at run time |
+//! | [`error`], [`points`], [`interrupt`], [`threads`], [`simd`] | errors with numbers in them; borrowed point sets; stopping a long kernel; the pool; the width chosen at run time |
 //! | [`assignment`] | who is matched with whom, at the least total cost |
 //! | [`point_sets`] | distances between finite sets of points |
 //! | [`tracking`] | scores over the identities of tracks |
@@ -18,6 +18,7 @@
 pub mod assignment;
 pub mod consistency;
 pub mod error;
+pub mod interrupt;
 pub mod point_sets;
 pub mod points;
 pub mod simd;

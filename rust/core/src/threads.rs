@@ -7,9 +7,15 @@
 //! Work is split over frames, runs or matrices only and every item writes its own place of the
 //! output, so that a result has the same bits with one thread or with many.
 
+use crate::error::Result;
+use crate::interrupt::Interrupt;
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::Duration;
+
+/// How long the calling thread of [`fill_until`] sleeps between two looks for an interrupt.
+const PATIENCE: Duration = Duration::from_millis(20);
 
 /// 0 stands for "as many as the machine has".
 static THREADS: AtomicUsize = AtomicUsize::new(0);
@@ -65,23 +71,70 @@ where
     E: Send,
     F: Fn(usize, &mut [T]) -> std::result::Result<(), E> + Sync,
 {
-    let items = output.len();
-    let pieces = (items / least.max(1)).min(4 * threads());
-    let pool = if pieces < 2 { None } else { pool() };
-    let Some(pool) = pool else {
+    match pieces(output.len(), least) {
+        None => fill(0, output),
+        Some((pool, size)) => pool.install(|| fill_pieces(output, size, &fill)),
+    }
+}
+
+/// [`fill`] for what may take long: the thread that calls it looks for interrupts while others work.
+///
+/// `fill` itself passes `interrupt.check()?` as often as a kernel on one thread would.
+///
+/// # Errors
+/// The first error in the order of the items.
+pub fn fill_until<T, F>(
+    output: &mut [T],
+    least: usize,
+    interrupt: &Interrupt<'_>,
+    fill: F,
+) -> Result<()>
+where
+    T: Send,
+    F: Fn(usize, &mut [T]) -> Result<()> + Sync,
+{
+    let Some((pool, size)) = pieces(output.len(), least) else {
         return fill(0, output);
     };
-    let size = items.div_ceil(pieces);
-    let mut results: Vec<std::result::Result<(), E>> = Vec::with_capacity(pieces);
-    pool.install(|| {
-        use rayon::prelude::*;
-        output
-            .par_chunks_mut(size)
-            .enumerate()
-            .with_max_len(1)
-            .map(|(i, piece)| fill(i * size, piece))
-            .collect_into_vec(&mut results);
+    let mut result = Ok(());
+    pool.in_place_scope(|scope| {
+        let (done, wait) = mpsc::channel::<()>();
+        let (result, fill) = (&mut result, &fill);
+        scope.spawn(move |_| {
+            *result = fill_pieces(output, size, fill);
+            drop(done);
+        });
+        while wait.recv_timeout(PATIENCE) == Err(mpsc::RecvTimeoutError::Timeout) {
+            // The workers ask again and take the error home.
+            let _ = interrupt.check();
+        }
     });
+    result
+}
+
+/// The pool and the size of a piece, or `None` where one thread does it all.
+fn pieces(items: usize, least: usize) -> Option<(Arc<ThreadPool>, usize)> {
+    let pieces = (items / least.max(1)).min(4 * threads());
+    if pieces < 2 {
+        return None;
+    }
+    Some((pool()?, items.div_ceil(pieces)))
+}
+
+fn fill_pieces<T, E, F>(output: &mut [T], size: usize, fill: &F) -> std::result::Result<(), E>
+where
+    T: Send,
+    E: Send,
+    F: Fn(usize, &mut [T]) -> std::result::Result<(), E> + Sync,
+{
+    use rayon::prelude::*;
+    let mut results: Vec<std::result::Result<(), E>> = Vec::new();
+    output
+        .par_chunks_mut(size)
+        .enumerate()
+        .with_max_len(1)
+        .map(|(i, piece)| fill(i * size, piece))
+        .collect_into_vec(&mut results);
     results.into_iter().collect()
 }
 
@@ -104,5 +157,19 @@ mod tests {
             (first + piece.len() <= 300).then_some(()).ok_or(first)
         });
         assert!(failed.is_err_and(|first| first <= 300));
+    }
+
+    #[test]
+    fn the_calling_thread_stops_the_others() {
+        use crate::error::Error;
+        let asker = std::thread::current().id();
+        let ask = || std::thread::current().id() == asker;
+        let interrupt = Interrupt::new(&ask);
+        let stopped = fill_until(&mut [0u8; 8], 1, &interrupt, |_, _| {
+            loop {
+                interrupt.check()?;
+            }
+        });
+        assert_eq!(stopped, Err(Error::Interrupted));
     }
 }

@@ -1,11 +1,15 @@
 //! Binding of `trackmetrics_core::assignment`.
 
 use crate::convert::Floats;
-use crate::error::raise;
+use crate::interrupt::detached;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::cell::RefCell;
-use trackmetrics_core::assignment::{bottleneck, dense, pairs};
+use trackmetrics_core::assignment::{
+    bottleneck,
+    dense::{self, Goal},
+    pairs,
+};
 
 thread_local! {
     static DENSE: RefCell<dense::Workspace> = RefCell::default();
@@ -21,13 +25,16 @@ pub(crate) fn linear_sum_assignment<'py>(
     cost_matrix: Floats<'_, 2>,
     maximize: &Bound<'py, PyAny>,
 ) -> PyResult<(Indices<'py>, Indices<'py>)> {
-    let solve = if maximize.is_truthy()? { dense::solve_largest } else { dense::solve };
+    let goal = if maximize.is_truthy()? { Goal::Largest } else { Goal::Least };
     let [rows, columns] = cost_matrix.shape;
-    let (i, j) = py
-        .detach(|| {
-            DENSE.with_borrow_mut(|work| solve(cost_matrix.values, rows, columns, work).map(pairs))
-        })
-        .map_err(raise)?;
+    let (i, j) = detached(py, |interrupt| {
+        let mut work = DENSE.take();
+        let solved =
+            dense::solve_until(cost_matrix.values, rows, columns, goal, interrupt, &mut work)
+                .map(pairs);
+        DENSE.set(work);
+        solved
+    })?;
     Ok((PyArray1::from_slice(py, &i), PyArray1::from_slice(py, &j)))
 }
 
@@ -38,13 +45,13 @@ pub(crate) fn bottleneck_assignment<'py>(
     cost_matrix: Floats<'_, 2>,
 ) -> PyResult<(f64, Indices<'py>, Indices<'py>)> {
     let [rows, columns] = cost_matrix.shape;
-    let (value, (i, j)) = py
-        .detach(|| {
-            BOTTLENECK.with_borrow_mut(|work| {
-                bottleneck::solve(cost_matrix.values, rows, columns, work)
-                    .map(|(value, columns)| (value, pairs(columns)))
-            })
-        })
-        .map_err(raise)?;
+    let (value, (i, j)) = detached(py, |interrupt| {
+        let mut work = BOTTLENECK.take();
+        let solved =
+            bottleneck::solve_until(cost_matrix.values, rows, columns, interrupt, &mut work)
+                .map(|(value, columns)| (value, pairs(columns)));
+        BOTTLENECK.set(work);
+        solved
+    })?;
     Ok((value, PyArray1::from_slice(py, &i), PyArray1::from_slice(py, &j)))
 }

@@ -9,6 +9,7 @@
 //! | `lists` | reading NumPy arrays and lists of them; the only `unsafe` code |
 //! | `convert` | the argument types that kernels take |
 //! | `error` | core errors as Python exceptions |
+//! | `interrupt` | Ctrl-C in long kernels |
 //! | the rest | one thin file for each room of core |
 
 #![deny(unsafe_code)]
@@ -19,6 +20,7 @@ mod assignment;
 mod consistency;
 mod convert;
 mod error;
+mod interrupt;
 mod lists;
 mod point_sets;
 mod settings;

@@ -15,27 +15,22 @@
 //! them has one: the bound at the end is the optimum. It starts at the largest of the row minima,
 //! which no matching can beat.
 //!
-//! Optimal pairs are not unique. The nearest column is taken, a free one before a taken one and
-//! then the one of lower index.
+//! Optimal pairs are not unique. Ties fall as in [`dense`](super::dense).
 //!
 //! Cost: O(n^2 m) for n <= m, nearly always far less.
 
-use crate::assignment::dense::{check_costs, transpose};
-use crate::error::{Error, Result};
-
-const NONE: usize = usize::MAX;
+use super::dense::{PATIENCE, check_costs, transpose};
+use super::paths::Matching;
+use crate::error::Result;
+use crate::interrupt::Interrupt;
+use crate::simd::dispatch;
+use pulp::{Simd, WithSimd};
 
 /// What one solution needs and the next can use again.
 #[derive(Debug, Default)]
 pub struct Workspace {
     transposed: Vec<f64>,
-    /// The smallest largest cost of a path to each column.
-    height: Vec<f64>,
-    /// The row before each column on that path.
-    previous: Vec<usize>,
-    reached: Vec<bool>,
-    column_of_row: Vec<usize>,
-    row_of_column: Vec<usize>,
+    matching: Matching,
 }
 
 /// Matches the rows of a C-ordered `rows x columns` matrix with its columns.
@@ -44,114 +39,80 @@ pub struct Workspace {
 /// row, `usize::MAX` for a row without one (where there are more rows than columns).
 ///
 /// # Errors
-/// [`Error::InvalidCosts`] for NaN or minus infinity, [`Error::Infeasible`] where every complete
-/// matching has an infinite cost.
+/// [`Error::InvalidCosts`](crate::Error::InvalidCosts) for NaN or minus infinity,
+/// [`Error::Infeasible`](crate::Error::Infeasible) where every complete matching has an infinite
+/// cost.
 pub fn solve<'w>(
     costs: &[f64],
     rows: usize,
     columns: usize,
     work: &'w mut Workspace,
 ) -> Result<(f64, &'w [usize])> {
-    check_costs(costs)?;
-    if columns >= rows {
-        let value = solve_wide(costs, rows, columns, work)?;
-        return Ok((value, &work.column_of_row));
-    }
-    let mut transposed = std::mem::take(&mut work.transposed);
-    transpose(costs, rows, columns, &mut transposed);
-    let solved = solve_wide(&transposed, columns, rows, work);
-    work.transposed = transposed;
-    let value = solved?;
-    std::mem::swap(&mut work.column_of_row, &mut work.row_of_column);
-    Ok((value, &work.column_of_row))
+    solve_until(costs, rows, columns, &Interrupt::never(), work)
 }
 
-/// The same for a matrix with at least as many columns as rows, its elements checked.
-fn solve_wide(costs: &[f64], rows: usize, columns: usize, work: &mut Workspace) -> Result<f64> {
-    for (values, length) in [(&mut work.column_of_row, rows), (&mut work.row_of_column, columns)] {
-        values.clear();
-        values.resize(length, NONE);
-    }
-    if rows == 0 {
-        return Ok(f64::NAN);
-    }
-    let lowest = |row: &[f64]| row.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut bound = costs.chunks_exact(columns).map(lowest).fold(f64::NEG_INFINITY, f64::max);
-    for row in 0..rows {
-        let (sink, height) = lowest_path(costs, columns, row, bound, work)?;
-        bound = height;
-        augment(row, sink, work);
-    }
-    Ok(bound)
-}
-
-/// The free column that a path from `row` reaches at the smallest largest cost, at least `bound`,
-/// and that cost.
-fn lowest_path(
+/// [`solve`], until it is interrupted.
+///
+/// # Errors
+/// Those of [`solve`]; [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn solve_until<'w>(
     costs: &[f64],
+    rows: usize,
     columns: usize,
-    row: usize,
-    bound: f64,
-    work: &mut Workspace,
-) -> Result<(usize, f64)> {
-    work.height.clear();
-    work.height.resize(columns, f64::INFINITY);
-    work.previous.resize(columns, NONE);
-    work.reached.clear();
-    work.reached.resize(columns, false);
-    let (mut i, mut bound) = (row, bound);
-    loop {
-        relax(&costs[i * columns..(i + 1) * columns], i, bound, work);
-        let (j, height) = nearest(work).ok_or(Error::Infeasible)?;
-        bound = height;
-        work.reached[j] = true;
-        i = work.row_of_column[j];
-        if i == NONE {
-            return Ok((j, bound));
-        }
+    interrupt: &Interrupt<'_>,
+    work: &'w mut Workspace,
+) -> Result<(f64, &'w [usize])> {
+    check_costs(costs)?;
+    let Workspace { transposed, matching } = work;
+    if columns >= rows {
+        let value = dispatch(Solve { costs, rows, columns, interrupt, matching })?;
+        return Ok((value, &matching.column_of_row));
     }
+    transpose(costs, rows, columns, transposed);
+    let (rows, columns) = (columns, rows);
+    let value = dispatch(Solve { costs: transposed, rows, columns, interrupt, matching })?;
+    std::mem::swap(&mut matching.column_of_row, &mut matching.row_of_column);
+    Ok((value, &matching.column_of_row))
 }
 
-/// Lowers the paths that lead through row `i`.
-fn relax(costs: &[f64], i: usize, bound: f64, work: &mut Workspace) {
-    for (j, cost) in costs.iter().enumerate() {
-        let through = cost.max(bound);
-        if through < work.height[j] {
-            work.height[j] = through;
-            work.previous[j] = i;
-        }
-    }
+/// A matrix with at least as many columns as rows, its elements checked.
+struct Solve<'a> {
+    costs: &'a [f64],
+    rows: usize,
+    columns: usize,
+    interrupt: &'a Interrupt<'a>,
+    matching: &'a mut Matching,
 }
 
-/// The column not yet reached with the lowest path, a free one before a taken one.
-fn nearest(work: &Workspace) -> Option<(usize, f64)> {
-    let (mut lowest, mut nearest, mut nearest_is_free) = (f64::INFINITY, None, false);
-    for (j, &height) in work.height.iter().enumerate().filter(|&(j, _)| !work.reached[j]) {
-        let free = work.row_of_column[j] == NONE;
-        if height < lowest || (height == lowest && free && !nearest_is_free) {
-            (lowest, nearest, nearest_is_free) = (height, Some(j), free);
-        }
-    }
-    (lowest < f64::INFINITY).then_some(())?;
-    nearest.map(|j| (j, lowest))
-}
+impl WithSimd for Solve<'_> {
+    type Output = Result<f64>;
 
-/// Turns the path from `row` to `sink` into matched pairs.
-fn augment(row: usize, sink: usize, work: &mut Workspace) {
-    let mut j = sink;
-    loop {
-        let i = work.previous[j];
-        work.row_of_column[j] = i;
-        std::mem::swap(&mut work.column_of_row[i], &mut j);
-        if i == row {
-            break;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Result<f64> {
+        let Self { costs, rows, columns, interrupt, matching } = self;
+        matching.reset(rows, columns);
+        if rows == 0 {
+            return Ok(f64::NAN);
         }
+        let lowest = |row: &[f64]| row.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut bound = costs.chunks_exact(columns).map(lowest).fold(f64::NEG_INFINITY, f64::max);
+        let patience = PATIENCE / columns + 1;
+        for row in 0..rows {
+            if row % patience == 0 {
+                interrupt.check()?;
+            }
+            bound = matching.add_below(simd, costs, row, bound)?;
+        }
+        Ok(bound)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
+
+    const NONE: usize = usize::MAX;
 
     #[test]
     fn the_smallest_largest_cost_is_not_the_least_sum() {

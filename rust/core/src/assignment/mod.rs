@@ -1,7 +1,9 @@
 //! Who is matched with whom, at the least total cost or at the smallest largest cost.
 
 pub mod bottleneck;
+mod columns;
 pub mod dense;
+mod paths;
 
 /// The matched pairs of a matching that is given as the column of each row: rows in rising order
 /// and their columns. `usize::MAX` stands for a row without a column.

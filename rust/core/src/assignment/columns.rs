@@ -1,0 +1,204 @@
+//! What a search over the columns of a cost matrix keeps of each, and its two passes over them, in
+//! lanes.
+//!
+//! A pass does for every column, in lanes, what the definition does one column after another: each
+//! number comes from the same operations in the same order (and never from a fused one), so that
+//! its bits do not depend on the width.
+
+use pulp::Simd;
+
+/// The widest vector unit's number of lanes: arrays are padded to a multiple of it.
+const LANES: usize = 8;
+
+/// One number of each kind for each column.
+#[derive(Debug, Default)]
+pub(super) struct Columns {
+    /// Dual of the column, `v`; minus infinity closes a column: nothing is lower than infinity.
+    pub dual: Vec<f64>,
+    /// The length of the shortest path found so far; infinity once the column is reached.
+    pub distance: Vec<f64>,
+    /// How many columns were reached when that path was found: it leads through the last of them.
+    pub via: Vec<f64>,
+    /// Of columns at the same distance the one of the lowest rank is the nearest.
+    pub rank: Vec<f64>,
+}
+
+impl Columns {
+    /// Starts afresh with `columns` columns; the ranks are the caller's to write.
+    pub fn reset(&mut self, columns: usize) {
+        let padded = columns.next_multiple_of(LANES);
+        for values in [&mut self.distance, &mut self.via, &mut self.rank] {
+            values.clear();
+            values.resize(padded, 0.0);
+        }
+        self.dual.clear();
+        self.dual.resize(columns, 0.0);
+        self.dual.resize(padded, f64::NEG_INFINITY);
+    }
+}
+
+/// How long a path becomes by one more edge.
+pub(super) trait Step: Copy {
+    /// The step from a row with this dual at the end of a path of this length.
+    fn new(length: f64, row_dual: f64) -> Self;
+
+    /// The length of the paths to columns with these costs and duals.
+    fn through<S: Simd>(self, simd: S, costs: S::f64s, duals: S::f64s) -> S::f64s;
+}
+
+/// The length is the sum of the reduced costs on the path.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sum {
+    length: f64,
+    row_dual: f64,
+}
+
+impl Step for Sum {
+    #[inline(always)]
+    fn new(length: f64, row_dual: f64) -> Self {
+        Self { length, row_dual }
+    }
+
+    #[inline(always)]
+    fn through<S: Simd>(self, simd: S, costs: S::f64s, duals: S::f64s) -> S::f64s {
+        let sum = simd.add_f64s(simd.splat_f64s(self.length), costs);
+        simd.sub_f64s(simd.sub_f64s(sum, simd.splat_f64s(self.row_dual)), duals)
+    }
+}
+
+/// The length is the largest cost on the path; duals are 0, or minus infinity for a closed column.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Largest {
+    length: f64,
+}
+
+impl Step for Largest {
+    #[inline(always)]
+    fn new(length: f64, _row_dual: f64) -> Self {
+        Self { length }
+    }
+
+    #[inline(always)]
+    fn through<S: Simd>(self, simd: S, costs: S::f64s, duals: S::f64s) -> S::f64s {
+        simd.max_f64s(simd.sub_f64s(costs, duals), simd.splat_f64s(self.length))
+    }
+}
+
+/// Finds the paths that consist of one step, and the least distance of a column.
+#[inline(always)]
+pub(super) fn begin<S: Simd>(
+    simd: S,
+    costs: &[f64],
+    step: impl Step,
+    columns: &mut Columns,
+) -> f64 {
+    let (infinity, none) = (simd.splat_f64s(f64::INFINITY), simd.splat_f64s(0.0));
+    pass(
+        simd,
+        costs,
+        columns,
+        #[inline(always)]
+        |costs, dual, distance, via| {
+            let through = step.through(simd, costs, dual);
+            // NaN, where sums overflow, is no path.
+            let shorter = simd.less_than_f64s(through, infinity);
+            *distance = simd.select_f64s(shorter, through, infinity);
+            *via = none;
+            *distance
+        },
+    )
+}
+
+/// Shortens the paths that lead through the last of `reached` columns, and finds the least distance
+/// of a column.
+#[inline(always)]
+pub(super) fn relax<S: Simd>(
+    simd: S,
+    costs: &[f64],
+    step: impl Step,
+    reached: usize,
+    columns: &mut Columns,
+) -> f64 {
+    let (reached, none) = (simd.splat_f64s(reached as f64), simd.splat_f64s(0.0));
+    pass(
+        simd,
+        costs,
+        columns,
+        #[inline(always)]
+        |costs, dual, distance, via| {
+            let through = step.through(simd, costs, dual);
+            let shorter = simd.less_than_f64s(through, *distance);
+            // The minimum and the maximum write whole vectors. A compiler turns a selection into a
+            // store of some lanes, for which the next load has to wait.
+            *distance = simd.min_f64s(through, *distance);
+            *via = simd.max_f64s(simd.select_f64s(shorter, reached, none), *via);
+            *distance
+        },
+    )
+}
+
+/// The least of what `each` returns for costs, duals, distances and the columns before, in lanes.
+#[inline(always)]
+fn pass<S: Simd>(
+    simd: S,
+    costs: &[f64],
+    columns: &mut Columns,
+    mut each: impl FnMut(S::f64s, S::f64s, &mut S::f64s, &mut S::f64s) -> S::f64s,
+) -> f64 {
+    let (costs, rest) = S::as_simd_f64s(costs);
+    let (duals, _) = S::as_simd_f64s(&columns.dual);
+    let (distances, _) = S::as_mut_simd_f64s(&mut columns.distance);
+    let (via, _) = S::as_mut_simd_f64s(&mut columns.via);
+    let mut lowest = simd.splat_f64s(f64::INFINITY);
+    let state = duals.iter().zip(distances.iter_mut()).zip(via.iter_mut());
+    for (&costs, ((&dual, distance), via)) in costs.iter().zip(state) {
+        lowest = simd.min_f64s(lowest, each(costs, dual, distance, via));
+    }
+    if !rest.is_empty() {
+        let (k, costs) = (costs.len(), simd.partial_load_f64s(rest));
+        let last = each(costs, duals[k], &mut distances[k], &mut via[k]);
+        lowest = simd.min_f64s(lowest, last);
+    }
+    simd.reduce_min_f64s(lowest)
+}
+
+/// The lowest rank of the columns at this distance.
+#[inline(always)]
+pub(super) fn lowest_rank<S: Simd>(simd: S, distance: f64, count: usize, columns: &Columns) -> f64 {
+    let (distances, _) = S::as_simd_f64s(&columns.distance);
+    let (ranks, _) = S::as_simd_f64s(&columns.rank);
+    let chunks = count.div_ceil(S::F64_LANES);
+    let (wanted, infinity) = (simd.splat_f64s(distance), simd.splat_f64s(f64::INFINITY));
+    let mut lowest = infinity;
+    for (&distance, &rank) in distances[..chunks].iter().zip(&ranks[..chunks]) {
+        let here = simd.equal_f64s(distance, wanted);
+        lowest = simd.min_f64s(lowest, simd.select_f64s(here, rank, infinity));
+    }
+    simd.reduce_min_f64s(lowest)
+}
+
+/// Closes the column of this rank, among `columns` the one with this index.
+///
+/// Whole vectors are written, by a minimum and a maximum: the next pass loads them at once, and
+/// would have to wait for a store of one lane.
+#[inline(always)]
+pub(super) fn close<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Columns) {
+    let chunk = column / S::F64_LANES;
+    let infinity = simd.splat_f64s(f64::INFINITY);
+    let minus_infinity = simd.splat_f64s(f64::NEG_INFINITY);
+    let here = simd.equal_f64s(S::as_simd_f64s(&columns.rank).0[chunk], simd.splat_f64s(rank));
+    let dual = &mut S::as_mut_simd_f64s(&mut columns.dual).0[chunk];
+    *dual = simd.min_f64s(*dual, simd.select_f64s(here, minus_infinity, infinity));
+    let distance = &mut S::as_mut_simd_f64s(&mut columns.distance).0[chunk];
+    *distance = simd.max_f64s(*distance, simd.select_f64s(here, infinity, minus_infinity));
+}
+
+/// Gives a column another rank.
+#[inline(always)]
+pub(super) fn rerank<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Columns) {
+    let before = columns.rank[column];
+    let chunk = &mut S::as_mut_simd_f64s(&mut columns.rank).0[column / S::F64_LANES];
+    let here = simd.equal_f64s(*chunk, simd.splat_f64s(before));
+    let change = simd.select_f64s(here, simd.splat_f64s(rank - before), simd.splat_f64s(0.0));
+    *chunk = simd.add_f64s(*chunk, change);
+}

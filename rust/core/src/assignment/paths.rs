@@ -1,0 +1,197 @@
+//! Shortest augmenting paths over the rows of a dense cost matrix, with SciPy's ties.
+//!
+//! SciPy keeps the columns not yet reached in a list, filled from the last to the first and emptied
+//! by swapping with its end. It takes the first of equal minima, unless free columns are among them:
+//! then the last of those. Here all columns stand in their natural order, for the lanes; a rank
+//! says where in that list a column would be, and the minima are told apart by it.
+
+use super::columns::{Columns, Largest, Step, Sum, begin, close, lowest_rank, relax, rerank};
+use crate::error::{Error, Result};
+use pulp::Simd;
+
+const NONE: usize = usize::MAX;
+
+/// A matching of some rows, and duals that prove it optimal for them.
+#[derive(Debug, Default)]
+pub(super) struct Matching {
+    /// Dual of each row, `u`.
+    pub row_dual: Vec<f64>,
+    /// Duals of the columns, and what a search keeps of them.
+    pub columns: Columns,
+    pub column_of_row: Vec<usize>,
+    pub row_of_column: Vec<usize>,
+    /// SciPy's list: the first `open` entries are the columns not yet reached.
+    remaining: Vec<usize>,
+    open: usize,
+    reached: Vec<Reached>,
+}
+
+/// A column to which the shortest path is known.
+#[derive(Debug, Clone, Copy)]
+struct Reached {
+    column: usize,
+    /// Its place in the list when it was reached.
+    place: usize,
+    distance: f64,
+    dual: f64,
+}
+
+impl Matching {
+    /// Starts afresh: nothing is matched, all duals are 0.
+    pub fn reset(&mut self, rows: usize, columns: usize) {
+        refill(&mut self.row_dual, rows, 0.0);
+        refill(&mut self.column_of_row, rows, NONE);
+        refill(&mut self.row_of_column, columns, NONE);
+        self.columns.reset(columns);
+        self.remaining.clear();
+        self.remaining.extend((0..columns).rev());
+        self.open = columns;
+        for (j, rank) in self.columns.rank.iter_mut().enumerate().take(columns) {
+            *rank = free_rank(columns - 1 - j);
+        }
+    }
+
+    /// Matches `row` with column `j`.
+    pub fn set(&mut self, row: usize, j: usize) {
+        self.column_of_row[row] = j;
+        self.row_of_column[j] = row;
+        self.columns.rank[j] = (self.row_of_column.len() - 1 - j) as f64;
+    }
+
+    /// Adds the free `row` to the matching, along the shortest path to a free column.
+    ///
+    /// # Errors
+    /// [`Error::Infeasible`] where there is none; the matching is of no use then.
+    #[inline(always)]
+    pub fn add<S: Simd>(&mut self, simd: S, costs: &[f64], row: usize) -> Result<()> {
+        let length = self.shortest_path::<S, Sum>(simd, costs, row, 0.0)?;
+        self.update_duals(row, length);
+        self.restore();
+        self.augment(row);
+        Ok(())
+    }
+
+    /// Adds the free `row` to the matching, along the path to a free column whose largest cost is
+    /// the smallest, but counted as at least `bound`. Returns that cost.
+    ///
+    /// # Errors
+    /// [`Error::Infeasible`] where there is none; the matching is of no use then.
+    #[inline(always)]
+    pub fn add_below<S: Simd>(
+        &mut self,
+        simd: S,
+        costs: &[f64],
+        row: usize,
+        bound: f64,
+    ) -> Result<f64> {
+        let height = self.shortest_path::<S, Largest>(simd, costs, row, bound)?;
+        for reached in &self.reached {
+            self.columns.dual[reached.column] = 0.0;
+        }
+        self.restore();
+        self.augment(row);
+        Ok(height)
+    }
+
+    /// The length of the shortest path to a free column, which is the last one reached; a path
+    /// without edges has this length already.
+    #[inline(always)]
+    fn shortest_path<S: Simd, T: Step>(
+        &mut self,
+        simd: S,
+        costs: &[f64],
+        row: usize,
+        length: f64,
+    ) -> Result<f64> {
+        let columns = self.row_of_column.len();
+        let row_of_costs = |i: usize| &costs[i * columns..(i + 1) * columns];
+        let step = T::new(length, self.row_dual[row]);
+        let mut lowest = begin(simd, row_of_costs(row), step, &mut self.columns);
+        loop {
+            if lowest == f64::INFINITY {
+                return Err(Error::Infeasible);
+            }
+            let rank = lowest_rank(simd, lowest, columns, &self.columns);
+            let j = self.reach(simd, rank, lowest);
+            let i = self.row_of_column[j];
+            if i == NONE {
+                return Ok(lowest);
+            }
+            let step = T::new(lowest, self.row_dual[i]);
+            lowest = relax(simd, row_of_costs(i), step, self.reached.len(), &mut self.columns);
+        }
+    }
+
+    /// Closes the column of this rank and swaps it with the end of the list.
+    #[inline(always)]
+    fn reach<S: Simd>(&mut self, simd: S, rank: f64, distance: f64) -> usize {
+        let place = place(rank);
+        let column = self.remaining[place];
+        self.open -= 1;
+        let moved = self.remaining[self.open];
+        self.remaining[place] = moved;
+        let dual = self.columns.dual[column];
+        self.reached.push(Reached { column, place, distance, dual });
+        close(simd, column, rank, &mut self.columns);
+        let free = self.columns.rank[moved] < 0.0;
+        rerank(simd, moved, if free { free_rank(place) } else { place as f64 }, &mut self.columns);
+        column
+    }
+
+    fn update_duals(&mut self, row: usize, length: f64) {
+        self.row_dual[row] += length;
+        for reached in &self.reached {
+            let shift = length - reached.distance;
+            self.columns.dual[reached.column] = reached.dual - shift;
+            if let Some(dual) = self.row_dual.get_mut(self.row_of_column[reached.column]) {
+                *dual += shift;
+            }
+        }
+    }
+
+    /// Puts the list back into its first order.
+    fn restore(&mut self) {
+        let last = self.row_of_column.len() - 1;
+        let rank = &mut self.columns.rank;
+        let mut home = |j: usize| {
+            rank[j] = if rank[j] < 0.0 { free_rank(last - j) } else { (last - j) as f64 };
+        };
+        for reached in &self.reached {
+            home(reached.column);
+            home(self.remaining[reached.place]);
+        }
+        for reached in &self.reached {
+            self.remaining[reached.place] = last - reached.place;
+        }
+        self.open = last + 1;
+    }
+
+    /// Turns the path from `row` to the column reached last into matched pairs.
+    fn augment(&mut self, row: usize) {
+        let mut step = self.reached.len();
+        while step > 0 {
+            let j = self.reached[step - 1].column;
+            step = self.columns.via[j] as usize;
+            let i = if step == 0 { row } else { self.row_of_column[self.reached[step - 1].column] };
+            self.set(i, j);
+        }
+        self.reached.clear();
+    }
+}
+
+/// The rank of a free column: before every taken one, and the later in the list the lower.
+#[inline]
+fn free_rank(place: usize) -> f64 {
+    -1.0 - place as f64
+}
+
+/// Where in the list the column of this rank stands.
+#[inline]
+fn place(rank: f64) -> usize {
+    (if rank < 0.0 { -1.0 - rank } else { rank }) as usize
+}
+
+pub(super) fn refill<T: Clone>(values: &mut Vec<T>, length: usize, value: T) {
+    values.clear();
+    values.resize(length, value);
+}
