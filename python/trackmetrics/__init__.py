@@ -12,6 +12,7 @@ from trackmetrics._backend import backend, set_threads, threads, use_backend
 from trackmetrics._version import __version__
 from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
 from trackmetrics.consistency import nees
+from trackmetrics.mospa import calc_mospa_error, mmospa2tar_2d, mmospa_approx
 from trackmetrics.point_sets import ospa, ospa_over_time
 from trackmetrics.results import BottleneckAssignment, MOTMetrics, OSPAResult
 from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
@@ -23,8 +24,11 @@ __all__ = [
     "__version__",
     "backend",
     "bottleneck_assignment",
+    "calc_mospa_error",
     "identity_switches",
     "linear_sum_assignment",
+    "mmospa2tar_2d",
+    "mmospa_approx",
     "mot_metrics",
     "nees",
     "ospa",
