@@ -12,7 +12,9 @@ from importlib import import_module
 
 from trackmetrics._version import __version__
 
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
+}
 """Each command and what it does."""
 
 
