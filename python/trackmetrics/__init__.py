@@ -10,32 +10,59 @@ same names and the same numbers. Truth comes first, then estimates; what is unde
 
 from trackmetrics._backend import backend, set_threads, threads, use_backend
 from trackmetrics._version import __version__
+from trackmetrics.accuracy import (
+    estimation_error_bounds,
+    monte_carlo_rmse,
+    position_rmse,
+    rmse,
+    velocity_rmse,
+)
 from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
-from trackmetrics.consistency import nees
+from trackmetrics.consistency import (
+    average_nees,
+    consistency_test,
+    credibility_interval,
+    nees,
+    nees_sequence,
+    nis,
+    nis_sequence,
+)
 from trackmetrics.mospa import calc_mospa_error, mmospa2tar_2d, mmospa_approx
 from trackmetrics.point_sets import ospa, ospa_over_time
-from trackmetrics.results import BottleneckAssignment, MOTMetrics, OSPAResult
+from trackmetrics.results import BottleneckAssignment, ConsistencyResult, MOTMetrics, OSPAResult
 from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
 
 __all__ = [
     "BottleneckAssignment",
+    "ConsistencyResult",
     "MOTMetrics",
     "OSPAResult",
     "__version__",
+    "average_nees",
     "backend",
     "bottleneck_assignment",
     "calc_mospa_error",
+    "consistency_test",
+    "credibility_interval",
+    "estimation_error_bounds",
     "identity_switches",
     "linear_sum_assignment",
     "mmospa2tar_2d",
     "mmospa_approx",
+    "monte_carlo_rmse",
     "mot_metrics",
     "nees",
+    "nees_sequence",
+    "nis",
+    "nis_sequence",
     "ospa",
     "ospa_over_time",
+    "position_rmse",
+    "rmse",
     "set_threads",
     "threads",
     "track_fragmentation",
     "track_purity",
     "use_backend",
+    "velocity_rmse",
 ]

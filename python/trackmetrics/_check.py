@@ -4,7 +4,9 @@ Only the *form* is settled here: lists of lists, tuples, integers, float32, view
 contiguous become C-ordered float64 arrays. What is wrong with the *values* the kernels say.
 """
 
-from collections.abc import Sequence
+import math
+import operator
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,11 @@ from numpy.typing import NDArray
 from trackmetrics import errors
 
 Floats = NDArray[np.float64]
+
+SYMMETRY = 1e-8
+"""Asymmetry, relative to the standard deviations, up to which a covariance is averaged."""
+SYMMETRY_SINGLE = 1e-3
+"""The same for a covariance of single precision."""
 
 
 def floats(argument: str, values: Any) -> Floats:
@@ -113,3 +120,84 @@ def _is_packed(values: Any) -> bool:
         and (values[0].ndim, values[1].ndim) == (2, 1)
         and values[1].dtype.kind in "iu"
     )
+
+
+def states(covariance: tuple[str, Any], *vectors: tuple[str, Any]) -> tuple[Any, ...]:
+    """Vectors ``(..., d)``, their covariances ``(..., d, d)``, and the asymmetry these may have.
+
+    A number is a vector of one component, and ``(d, 1)`` a column vector. Where the covariance
+    says so by its size, single precision is granted the asymmetry that its rounding leaves.
+    """
+    name, values = covariance
+    symmetry = _symmetry(values)
+    matrices = floats(name, values)
+    matrices = matrices.reshape(1, 1) if matrices.ndim == 0 else matrices
+    if matrices.ndim == 1:
+        raise errors.shape(name, matrices.shape, "(..., d, d)")
+    return *(_vectors(*vector, matrices) for vector in vectors), matrices, symmetry
+
+
+def _vectors(argument: str, values: Any, matrices: Floats) -> Floats:
+    array = floats(argument, values)
+    if array.ndim == 0:
+        return array.reshape(1)
+    d = matrices.shape[-1]
+    if array.ndim > 1 and array.shape[-1] == 1 and d != 1:
+        if array.shape[-2] != d:
+            raise errors.shape(argument, array.shape, f"(..., {d})")
+        return array[..., 0]
+    return array
+
+
+def _symmetry(covariances: Any) -> float:
+    dtype = getattr(covariances, "dtype", None)
+    return SYMMETRY_SINGLE if dtype in (np.float32, np.float16) else SYMMETRY
+
+
+def periods(angles: Mapping[int, float] | None, covariance: Any) -> Floats | None:
+    """The period of every component, 0 for one that is not an angle."""
+    if angles is None:
+        return None
+    d = (np.shape(covariance) or (1,))[-1]
+    array = np.zeros(d)
+    for place, (index, period) in enumerate(angles.items()):
+        if not -d <= index < d:
+            raise errors.outside("angles", place, index, d)
+        if not 0 < period < math.inf:
+            raise errors.element("angles", [index], "positive and finite", period)
+        array[index] = period
+    return array
+
+
+def nan_where_invalid(on_invalid: str) -> bool:
+    """What ``on_invalid`` asks for."""
+    if on_invalid not in ("raise", "nan"):
+        raise ValueError(f"on_invalid must be 'raise' or 'nan', got {on_invalid!r}")
+    return on_invalid == "nan"
+
+
+def fraction(argument: str, value: float) -> None:
+    """Refuse what is not between 0 and 1, both excluded."""
+    if not 0 < value < 1:
+        raise errors.parameter(argument, "between 0 and 1, both excluded", value)
+
+
+def indices(argument: str, values: Any, length: int) -> list[int]:
+    """Indices of components, from a number, a slice, a mask or a sequence of numbers."""
+    if isinstance(values, slice):
+        return list(range(length))[values]
+    array = np.atleast_1d(np.asarray(values))
+    if array.dtype.kind == "b" and array.shape == (length,):
+        return [int(i) for i in np.flatnonzero(array)]
+    if (array.size and array.dtype.kind not in "iu") or array.ndim != 1:
+        raise TypeError(f"{argument} must be a list of whole numbers, got {values!r}")
+    return [int(i) for i in array]
+
+
+def axes(axis: Any) -> list[int] | None:
+    """The axes that NumPy would understand by ``axis``."""
+    if axis is None:
+        return None
+    if isinstance(axis, Sequence):
+        return [operator.index(one) for one in axis]
+    return [operator.index(axis)]

@@ -44,6 +44,26 @@ def shape(argument: str, found: Sequence[int], expected: str) -> ValueError:
     return ValueError(f"{argument} has shape {tuple(found)}, expected {expected}")
 
 
+def empty(argument: str) -> ValueError:
+    """An argument without elements, where a mean is asked for."""
+    return ValueError(f"{argument} is empty")
+
+
+def element(argument: str, index: Sequence[int], requirement: str, value: float) -> ValueError:
+    """A number of an array outside the range that the definition allows."""
+    return ValueError(f"{argument}{place(index)} must be {requirement}, got {float(value)!r}")
+
+
+def axis(found: int, axes: int) -> ValueError:
+    """An axis that the array does not have, or that was named before."""
+    return ValueError(f"axis must be among the {axes} axes of the array, each once, got {found}")
+
+
+def outside(argument: str, place: int, found: int, length: int) -> ValueError:
+    """An index that is outside what it points into."""
+    return ValueError(f"{argument}[{place}] is {found}, the state has {length} components")
+
+
 def offsets(argument: str, points: int) -> ValueError:
     """Offsets of packed sets that do not rise from 0 to the number of points."""
     return ValueError(f"{argument}: starts must rise from 0 to {points}, the number of points")

@@ -55,3 +55,18 @@ class MOTMetrics(NamedTuple):
     """Estimates without a pair."""
     num_misses: int
     """Truth points without a pair."""
+
+
+class ConsistencyResult(NamedTuple):
+    """Whether the mean of NEES or NIS values is what chance allows, and its limits."""
+
+    is_consistent: bool
+    """Whether the mean lies within the bounds, both included."""
+    statistic: float
+    """The mean of the values."""
+    lower_bound: float
+    """The least mean that chance allows; below it, the filter is too pessimistic."""
+    upper_bound: float
+    """The greatest mean that chance allows; above it, the filter is too optimistic."""
+    mean_value: float
+    """The mean of the values, once more."""

@@ -4,8 +4,22 @@ Each is short enough to be the explanation of its kernel. The files are the room
 so the listing of this folder is the list of kernels.
 """
 
+from trackmetrics._numpy.accuracy import (
+    estimation_error_bounds,
+    monte_carlo_rmse,
+    position_rmse,
+    rmse,
+    velocity_rmse,
+)
 from trackmetrics._numpy.assignment import bottleneck_assignment, linear_sum_assignment
-from trackmetrics._numpy.consistency import nees
+from trackmetrics._numpy.consistency import (
+    credibility_interval,
+    mean_statistic,
+    nees,
+    nees_sequence,
+    nis,
+    nis_sequence,
+)
 from trackmetrics._numpy.point_sets import ospa, ospa_over_time
 from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
 from trackmetrics._numpy.tracking import (
@@ -19,16 +33,26 @@ from trackmetrics._version import __version__
 __all__ = [
     "__version__",
     "bottleneck_assignment",
+    "credibility_interval",
+    "estimation_error_bounds",
     "identity_switches",
     "linear_sum_assignment",
+    "mean_statistic",
+    "monte_carlo_rmse",
     "mot_metrics",
     "nees",
+    "nees_sequence",
+    "nis",
+    "nis_sequence",
     "ospa",
     "ospa_over_time",
+    "position_rmse",
+    "rmse",
     "set_simd",
     "set_threads",
     "simd",
     "threads",
     "track_fragmentation",
     "track_purity",
+    "velocity_rmse",
 ]

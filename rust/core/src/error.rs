@@ -3,6 +3,7 @@
 //! The text of every message is written here once for Rust and once, to the letter, in the
 //! package's `errors.py` for the NumPy twins; a test holds the two against each other.
 
+use crate::arrays::tuple;
 use std::fmt;
 
 /// The result of every fallible function of this crate.
@@ -53,12 +54,55 @@ pub enum Error {
         /// What is counted, in the plural.
         unit: &'static str,
     },
+    /// An array has a shape that the function does not take.
+    Shape {
+        /// The argument's name.
+        argument: &'static str,
+        /// Its shape.
+        found: Vec<usize>,
+        /// What it should be, in words or as a tuple.
+        expected: String,
+    },
+    /// An argument without elements, where a mean is asked for.
+    Empty {
+        /// The argument's name.
+        argument: &'static str,
+    },
+    /// A number of an array outside the range that the definition allows.
+    Element {
+        /// The argument's name.
+        argument: &'static str,
+        /// Where in the argument, outermost index first.
+        index: Vec<usize>,
+        /// What it must be, as a phrase that follows "must be".
+        requirement: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// An axis that the array does not have, or that was named before.
+    Axis {
+        /// What it was.
+        found: i64,
+        /// How many axes the array has.
+        axes: usize,
+    },
+    /// An index that is outside what it points into.
+    Index {
+        /// The argument's name.
+        argument: &'static str,
+        /// Which of the indices.
+        place: usize,
+        /// What it was.
+        found: i64,
+        /// How many components there are.
+        length: usize,
+    },
     /// A covariance whose two triangles disagree.
     NotSymmetric {
         /// The argument's name.
         argument: &'static str,
-        /// Which covariance, or `None` where there is only one.
-        index: Option<usize>,
+        /// Which covariance, outermost index first; empty where there is only one.
+        index: Vec<usize>,
         /// The row of the first element that disagrees.
         row: usize,
         /// Its column.
@@ -68,8 +112,8 @@ pub enum Error {
     NotPositiveDefinite {
         /// The argument's name.
         argument: &'static str,
-        /// Which covariance, or `None` where there is only one.
-        index: Option<usize>,
+        /// Which covariance, outermost index first; empty where there is only one.
+        index: Vec<usize>,
         /// The size of the first leading minor that is not positive.
         minor: usize,
     },
@@ -103,15 +147,29 @@ impl fmt::Display for Error {
             Self::Length { argument, found, other, expected, unit } => {
                 write!(f, "{argument} has {found} {unit}, {other} has {expected}")
             }
+            Self::Shape { argument, found, expected } => {
+                write!(f, "{argument} has shape {}, expected {expected}", tuple(found))
+            }
+            Self::Empty { argument } => write!(f, "{argument} is empty"),
+            Self::Element { argument, index, requirement, value } => {
+                let (place, value) = (Place(index), Number(*value));
+                write!(f, "{argument}{place} must be {requirement}, got {value}")
+            }
+            Self::Axis { found, axes } => {
+                write!(f, "axis must be among the {axes} axes of the array, each once, got {found}")
+            }
+            Self::Index { argument, place, found, length } => {
+                write!(f, "{argument}[{place}] is {found}, the state has {length} components")
+            }
             Self::NotSymmetric { argument, index, row, column } => write!(
                 f,
                 "{argument}{} is not symmetric: elements [{row}, {column}] and [{column}, {row}] differ",
-                Place(index.as_slice())
+                Place(index)
             ),
             Self::NotPositiveDefinite { argument, index, minor } => write!(
                 f,
                 "{argument}{} is not positive definite (leading minor {minor})",
-                Place(index.as_slice())
+                Place(index)
             ),
             Self::Offsets { argument, points } => {
                 write!(f, "{argument}: starts must rise from 0 to {points}, the number of points")

@@ -4,10 +4,12 @@
 //!
 //! | room | what it holds |
 //! | --- | --- |
-//! | [`error`], [`points`], [`interrupt`], [`threads`], [`simd`] | errors with numbers in them; borrowed point sets; stopping a long kernel; the pool; the width chosen at run time |
+//! | [`error`], [`arrays`], [`points`], [`interrupt`], [`threads`], [`simd`] | errors with numbers in them; borrowed arrays and point sets; stopping a long kernel; the pool; the width chosen at run time |
+//! | [`lanes`] | many small records at once, one in each lane |
 //! | [`assignment`] | who is matched with whom, at the least total cost |
 //! | [`point_sets`] | distances between finite sets of points |
 //! | [`tracking`] | scores over the identities of tracks |
+//! | [`accuracy`] | root mean square errors |
 //! | [`consistency`] | quadratic forms of many small covariances |
 //!
 //! Nothing in this crate knows Python, draws random numbers, or panics on bad input: what can be
@@ -15,15 +17,19 @@
 
 #![forbid(unsafe_code)]
 
+pub mod accuracy;
+pub mod arrays;
 pub mod assignment;
 pub mod consistency;
 pub mod error;
 pub mod interrupt;
+pub mod lanes;
 pub mod point_sets;
 pub mod points;
 pub mod simd;
 pub mod threads;
 pub mod tracking;
 
+pub use arrays::Array;
 pub use error::{Error, Result};
 pub use points::{Frames, Points};

@@ -26,6 +26,15 @@ pub fn set_width(width: Width) {
     LIMIT.store(width as u8, Ordering::Relaxed);
 }
 
+/// The limit in force.
+pub(crate) fn limit() -> Width {
+    match LIMIT.load(Ordering::Relaxed) {
+        limit if limit == Width::Scalar as u8 => Width::Scalar,
+        limit if limit == Width::V3 as u8 => Width::V3,
+        _ => Width::Widest,
+    }
+}
+
 /// Runs `operation` compiled for the widest vector units that the machine has and the limit allows.
 #[inline]
 pub fn dispatch<Op: WithSimd>(operation: Op) -> Op::Output {

@@ -7,7 +7,7 @@
 //! | file | what it holds |
 //! | --- | --- |
 //! | `lists` | reading NumPy arrays and lists of them; the only `unsafe` code |
-//! | `convert` | the argument types that kernels take |
+//! | `convert`, `tensor` | the argument types that kernels take |
 //! | `error` | core errors as Python exceptions |
 //! | `interrupt` | Ctrl-C in long kernels |
 //! | the rest | one thin file for each room of core |
@@ -16,6 +16,7 @@
 // PyO3's macros write the documentation of what they generate.
 #![allow(missing_docs)]
 
+mod accuracy;
 mod assignment;
 mod consistency;
 mod convert;
@@ -24,14 +25,18 @@ mod interrupt;
 mod lists;
 mod point_sets;
 mod settings;
+mod tensor;
 mod tracking;
 
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
     use crate::{
+        accuracy::{estimation_error_bounds, monte_carlo_rmse, position_rmse, rmse, velocity_rmse},
         assignment::{bottleneck_assignment, linear_sum_assignment},
-        consistency::nees,
+        consistency::{
+            credibility_interval, mean_statistic, nees, nees_sequence, nis, nis_sequence,
+        },
         point_sets::{ospa, ospa_over_time},
         settings::{set_simd, set_threads, simd, threads},
         tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},

@@ -64,6 +64,13 @@ impl<'a> Array<'a> {
         self.shape
     }
 
+    /// Its shape, as unsigned numbers.
+    #[inline]
+    pub(crate) fn lengths(&self) -> &'a [usize] {
+        // SAFETY: `isize` and `usize` have one layout, and no length is negative.
+        unsafe { std::slice::from_raw_parts(self.shape.as_ptr().cast(), self.shape.len()) }
+    }
+
     /// How many elements.
     #[inline]
     pub(crate) fn size(&self) -> usize {

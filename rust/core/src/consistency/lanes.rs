@@ -1,0 +1,234 @@
+//! L D L' of many small covariances at once, one in each lane.
+//!
+//! Right-looking: as soon as a column is finished, it is subtracted from what is right of it. The
+//! residual rides along as one more row, so that the factor is never stored. Lanes whose covariance
+//! is not clearly positive definite, not symmetric or not finite come out as NaN, and are left to
+//! [`Judge`](super::judge::Judge).
+
+use crate::lanes::{Load, WithLanes};
+use pulp::Simd;
+
+/// Which covariance belongs to a residual.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Matrices<'a> {
+    /// One each.
+    Own(&'a [f64]),
+    /// The same for all, factored: L below the diagonal, and the pivots' inverses.
+    Shared { lower: &'a [f64], inverses: &'a [f64] },
+}
+
+/// The forms of consecutive residuals of `D` numbers; `E` is `D` squared.
+pub(super) struct Forms<'a, const D: usize, const E: usize> {
+    pub(super) first: &'a [f64],
+    pub(super) second: Option<&'a [f64]>,
+    pub(super) matrices: Matrices<'a>,
+    pub(super) symmetry: f64,
+    pub(super) output: &'a mut [f64],
+}
+
+/// The most lanes that a vector has.
+const MOST: usize = 8;
+
+impl<const D: usize, const E: usize> WithLanes for Forms<'_, D, E> {
+    /// Whether no lane was left in doubt.
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_lanes<S: Simd, L: Load<S>>(self, simd: S, load: L) -> bool {
+        let Self { first, second, matrices, symmetry, output } = self;
+        let block = Block::<S, L, D, E> { simd, load, symmetry };
+        let whole = output.len() / S::F64_LANES * S::F64_LANES;
+        let (blocks, rest) = output.split_at_mut(whole);
+        let mut total = simd.splat_f64s(0.0);
+        for (b, output) in blocks.chunks_exact_mut(S::F64_LANES).enumerate() {
+            let k = b * S::F64_LANES;
+            let second = second.map(|values| &values[k * D..]);
+            let forms = block.forms(&first[k * D..], second, matrices.from(k * E));
+            total = simd.add_f64s(total, forms);
+            simd.partial_store_f64s(output, forms);
+        }
+        if !rest.is_empty() {
+            let first = padded::<D>(&first[whole * D..], rest.len());
+            let second = second.map(|values| padded::<D>(&values[whole * D..], rest.len()));
+            let mut own = [[0.0; E]; MOST];
+            let matrices = matrices.from(whole * E).padded(rest.len(), &mut own);
+            let second = second.as_ref().map(|values| values.as_flattened());
+            let forms = block.forms(first.as_flattened(), second, matrices);
+            total = simd.add_f64s(total, forms);
+            simd.partial_store_f64s(rest, forms);
+        }
+        // One NaN makes the sum NaN.
+        simd.reduce_sum_f64s(total).is_finite()
+    }
+}
+
+impl<'a> Matrices<'a> {
+    #[inline(always)]
+    fn from(self, element: usize) -> Self {
+        match self {
+            Self::Own(p) => Self::Own(&p[element..]),
+            shared => shared,
+        }
+    }
+
+    fn padded<'b, const E: usize>(
+        self,
+        count: usize,
+        buffer: &'b mut [[f64; E]; MOST],
+    ) -> Matrices<'b>
+    where
+        'a: 'b,
+    {
+        match self {
+            Self::Own(p) => {
+                *buffer = padded::<E>(p, count);
+                Matrices::Own(buffer.as_flattened())
+            }
+            shared => shared,
+        }
+    }
+}
+
+/// The last records, the first of them repeated until every lane has one.
+fn padded<const E: usize>(records: &[f64], count: usize) -> [[f64; E]; MOST] {
+    let mut buffer = [[0.0; E]; MOST];
+    for (l, record) in buffer.iter_mut().enumerate() {
+        let k = if l < count { l } else { 0 };
+        record.copy_from_slice(&records[k * E..(k + 1) * E]);
+    }
+    buffer
+}
+
+struct Block<S, L, const D: usize, const E: usize> {
+    simd: S,
+    load: L,
+    symmetry: f64,
+}
+
+impl<S: Simd, L: Load<S>, const D: usize, const E: usize> Block<S, L, D, E> {
+    /// The forms of as many residuals as there are lanes.
+    #[inline(always)]
+    fn forms(&self, first: &[f64], second: Option<&[f64]>, matrices: Matrices) -> S::f64s {
+        match matrices {
+            Matrices::Own(p) => self.own(first, second, p),
+            Matrices::Shared { lower, inverses } => self.shared(first, second, lower, inverses),
+        }
+    }
+
+    #[inline(always)]
+    fn own(&self, first: &[f64], second: Option<&[f64]>, p: &[f64]) -> S::f64s {
+        let simd = self.simd;
+        let mut p = self.load.load::<E>(simd, p);
+        let mut fair = self.average(&mut p);
+        let mut z = self.residuals(first, second);
+        let mut form = simd.splat_f64s(0.0);
+        let least = simd.splat_f64s(4.0 * super::judge::least_pivot(D));
+        let one = simd.splat_f64s(1.0);
+        let mut bounds = [form; D];
+        for j in 0..D {
+            bounds[j] = simd.mul_f64s(least, p[j * D + j]);
+        }
+        for j in 0..D {
+            let pivot = p[j * D + j];
+            fair = simd.and_m64s(fair, simd.greater_than_f64s(pivot, bounds[j]));
+            let inverse = simd.div_f64s(one, pivot);
+            let scaled = simd.mul_f64s(z[j], inverse);
+            form = simd.mul_add_e_f64s(z[j], scaled, form);
+            for i in j + 1..D {
+                let below = p[i * D + j];
+                z[i] = simd.negate_mul_add_e_f64s(below, scaled, z[i]);
+                let factor = simd.mul_f64s(below, inverse);
+                for k in j + 1..=i {
+                    p[i * D + k] = simd.negate_mul_add_e_f64s(factor, p[k * D + j], p[i * D + k]);
+                }
+            }
+        }
+        self.or_nan(fair, form)
+    }
+
+    #[inline(always)]
+    fn shared(
+        &self,
+        first: &[f64],
+        second: Option<&[f64]>,
+        lower: &[f64],
+        inverses: &[f64],
+    ) -> S::f64s {
+        let simd = self.simd;
+        let (lower, inverses) = (&lower[..E], &inverses[..D]);
+        let mut z = self.residuals(first, second);
+        let mut form = simd.splat_f64s(0.0);
+        for j in 0..D {
+            let scaled = simd.mul_f64s(z[j], simd.splat_f64s(inverses[j]));
+            form = simd.mul_add_e_f64s(z[j], scaled, form);
+            for i in j + 1..D {
+                let factor = simd.splat_f64s(lower[i * D + j]);
+                z[i] = simd.negate_mul_add_e_f64s(factor, z[j], z[i]);
+            }
+        }
+        self.or_nan(simd.equal_f64s(form, form), form)
+    }
+
+    #[inline(always)]
+    fn residuals(&self, first: &[f64], second: Option<&[f64]>) -> [S::f64s; D] {
+        let mut z = self.load.load::<D>(self.simd, first);
+        if let Some(second) = second {
+            let second = self.load.load::<D>(self.simd, second);
+            for i in 0..D {
+                z[i] = self.simd.sub_f64s(z[i], second[i]);
+            }
+        }
+        z
+    }
+
+    /// NaN in the lanes that are not `fair`, or where the form is infinite.
+    #[inline(always)]
+    fn or_nan(&self, fair: S::m64s, form: S::f64s) -> S::f64s {
+        let simd = self.simd;
+        let finite = simd.less_than_f64s(form, simd.splat_f64s(f64::INFINITY));
+        simd.select_f64s(simd.and_m64s(fair, finite), form, simd.splat_f64s(f64::NAN))
+    }
+
+    /// Averages the two triangles where they differ at all; returns the lanes that are symmetric.
+    #[inline(always)]
+    fn average(&self, p: &mut [S::f64s; E]) -> S::m64s {
+        let simd = self.simd;
+        let zero = simd.splat_u64s(0);
+        let mut differing = zero;
+        for i in 0..D {
+            for j in 0..i {
+                let below = simd.transmute_u64s_f64s(p[i * D + j]);
+                let above = simd.transmute_u64s_f64s(p[j * D + i]);
+                differing = simd.or_u64s(differing, simd.xor_u64s(below, above));
+            }
+        }
+        let same = simd.equal_u64s(differing, zero);
+        let (one, none) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
+        if D == 1 || simd.reduce_min_f64s(simd.select_f64s(same, one, none)) > 0.0 {
+            return same;
+        }
+        self.average_differing(p)
+    }
+
+    #[inline(always)]
+    fn average_differing(&self, p: &mut [S::f64s; E]) -> S::m64s {
+        let simd = self.simd;
+        let (half, symmetry) = (simd.splat_f64s(0.5), simd.splat_f64s(self.symmetry));
+        let mut deviations = [half; D];
+        for i in 0..D {
+            deviations[i] = simd.sqrt_f64s(simd.abs_f64s(p[i * D + i]));
+        }
+        let mut symmetric = simd.equal_f64s(half, half);
+        for i in 0..D {
+            let scale = simd.mul_f64s(symmetry, deviations[i]);
+            for j in 0..i {
+                let difference = simd.sub_f64s(p[j * D + i], p[i * D + j]);
+                let bound = simd.mul_f64s(scale, deviations[j]);
+                let within = simd.less_than_or_equal_f64s(simd.abs_f64s(difference), bound);
+                symmetric = simd.and_m64s(symmetric, within);
+                p[i * D + j] = simd.mul_add_e_f64s(half, difference, p[i * D + j]);
+            }
+        }
+        symmetric
+    }
+}
