@@ -115,6 +115,7 @@ fn four(records: &[f64], from: usize) -> std::arch::x86_64::__m256d {
 /// The first element of each block of four, so that blocks cover `E` elements; the last may overlap
 /// the one before it. `None` where the element is better loaded by itself.
 #[cfg(target_arch = "x86_64")]
+#[inline(always)]
 const fn block<const E: usize>(at: usize) -> Option<usize> {
     if at + 4 <= E {
         Some(at)
@@ -155,9 +156,12 @@ impl Load<V3> for Transposed {
 #[inline(always)]
 fn transpose4(simd: V3, records: &[f64], from: usize, size: usize) -> [pulp::f64x4; 4] {
     let avx = simd.avx;
-    let row = |l: usize| four(records, l * size + from);
-    let low = [avx._mm256_unpacklo_pd(row(0), row(1)), avx._mm256_unpacklo_pd(row(2), row(3))];
-    let high = [avx._mm256_unpackhi_pd(row(0), row(1)), avx._mm256_unpackhi_pd(row(2), row(3))];
+    let a = four(records, from);
+    let b = four(records, size + from);
+    let c = four(records, 2 * size + from);
+    let d = four(records, 3 * size + from);
+    let low = [avx._mm256_unpacklo_pd(a, b), avx._mm256_unpacklo_pd(c, d)];
+    let high = [avx._mm256_unpackhi_pd(a, b), avx._mm256_unpackhi_pd(c, d)];
     [
         cast(avx._mm256_permute2f128_pd::<0x20>(low[0], low[1])),
         cast(avx._mm256_permute2f128_pd::<0x20>(high[0], high[1])),
@@ -178,9 +182,16 @@ impl Load<V4> for Transposed {
                 vectors[from..from + 4].copy_from_slice(&transpose8(simd, records, from, E));
                 at = from + 4;
             } else {
-                let one = |l: usize| records[l * E + at];
-                vectors[at] =
-                    pulp::f64x8(one(0), one(1), one(2), one(3), one(4), one(5), one(6), one(7));
+                vectors[at] = pulp::f64x8(
+                    records[at],
+                    records[E + at],
+                    records[2 * E + at],
+                    records[3 * E + at],
+                    records[4 * E + at],
+                    records[5 * E + at],
+                    records[6 * E + at],
+                    records[7 * E + at],
+                );
                 at += 1;
             }
         }
@@ -195,12 +206,12 @@ impl Load<V4> for Transposed {
 #[inline(always)]
 fn transpose8(simd: V4, records: &[f64], from: usize, size: usize) -> [pulp::f64x8; 4] {
     let avx = simd.avx512f;
-    let row = |l: usize| {
-        let (a, b) = (four(records, l * size + from), four(records, (l + 4) * size + from));
-        avx._mm512_insertf64x4::<1>(avx._mm512_castpd256_pd512(a), b)
-    };
-    let low = [avx._mm512_unpacklo_pd(row(0), row(1)), avx._mm512_unpacklo_pd(row(2), row(3))];
-    let high = [avx._mm512_unpackhi_pd(row(0), row(1)), avx._mm512_unpackhi_pd(row(2), row(3))];
+    let a = pair(simd, records, from, size);
+    let b = pair(simd, records, size + from, size);
+    let c = pair(simd, records, 2 * size + from, size);
+    let d = pair(simd, records, 3 * size + from, size);
+    let low = [avx._mm512_unpacklo_pd(a, b), avx._mm512_unpacklo_pd(c, d)];
+    let high = [avx._mm512_unpackhi_pd(a, b), avx._mm512_unpackhi_pd(c, d)];
     let first = cast([0u64, 1, 8, 9, 4, 5, 12, 13]);
     let second = cast([2u64, 3, 10, 11, 6, 7, 14, 15]);
     [
@@ -209,6 +220,15 @@ fn transpose8(simd: V4, records: &[f64], from: usize, size: usize) -> [pulp::f64
         cast(avx._mm512_permutex2var_pd(low[0], second, low[1])),
         cast(avx._mm512_permutex2var_pd(high[0], second, high[1])),
     ]
+}
+
+/// Four elements of one record, and the same four of the fourth record after it.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn pair(simd: V4, records: &[f64], from: usize, size: usize) -> std::arch::x86_64::__m512d {
+    let avx = simd.avx512f;
+    let low = avx._mm512_castpd256_pd512(four(records, from));
+    avx._mm512_insertf64x4::<1>(low, four(records, from + 4 * size))
 }
 
 #[cfg(test)]

@@ -102,8 +102,15 @@ fn not_finite(array: &Array, at: usize) -> Error {
 /// The least pivot, relative to the diagonal element it came from, that counts as positive.
 ///
 /// A singular covariance has a pivot of this size and either sign, from rounding alone.
-pub(super) fn least_pivot(dimension: usize) -> f64 {
+fn least_pivot(dimension: usize) -> f64 {
     dimension as f64 * f64::EPSILON
+}
+
+/// The pivot below which a fast factorisation leaves the decision to a [`Judge`].
+///
+/// Far above [`least_pivot`]: small pivots before it may have magnified its rounding error.
+pub(super) fn doubtful_pivot(dimension: usize) -> f64 {
+    16384.0 * least_pivot(dimension)
 }
 
 /// L D L' of the lower triangle, column after column (right-looking), or the leading minor that is

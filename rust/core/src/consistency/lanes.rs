@@ -5,6 +5,7 @@
 //! is not clearly positive definite, not symmetric or not finite come out as NaN, and are left to
 //! [`Judge`](super::judge::Judge).
 
+use super::judge::doubtful_pivot;
 use crate::lanes::{Load, WithLanes};
 use pulp::Simd;
 
@@ -122,7 +123,7 @@ impl<S: Simd, L: Load<S>, const D: usize, const E: usize> Block<S, L, D, E> {
         let mut fair = self.average(&mut p);
         let mut z = self.residuals(first, second);
         let mut form = simd.splat_f64s(0.0);
-        let least = simd.splat_f64s(4.0 * super::judge::least_pivot(D));
+        let least = simd.splat_f64s(doubtful_pivot(D));
         let one = simd.splat_f64s(1.0);
         let mut bounds = [form; D];
         for j in 0..D {

@@ -15,7 +15,7 @@
 //! pivot is not positive, it is an error. No residuals give no forms; residuals of no dimension give
 //! zeros.
 
-use super::judge::{Factors, Judge, least_pivot};
+use super::judge::{Factors, Judge, doubtful_pivot};
 use super::lanes::{Forms, Matrices};
 use crate::arrays::{Array, tuple};
 use crate::error::{Error, Result};
@@ -260,7 +260,7 @@ fn cholesky_form(matrix: &[f64], residual: &[f64], symmetry: f64) -> f64 {
             p[(row, column)] = below + 0.5 * difference;
         }
     }
-    let bounds = p.diagonal() * (4.0 * least_pivot(d));
+    let bounds = p.diagonal() * doubtful_pivot(d);
     let Some(factor) = p.cholesky() else {
         return f64::NAN;
     };
