@@ -230,3 +230,35 @@ def test_the_matrix_is_left_as_it_was():
     linear_sum_assignment(costs)
     linear_sum_assignment(costs, maximize=True)
     np.testing.assert_array_equal(costs, before)
+
+
+@pytest.mark.parametrize("difference", [0.0, 1e-15, 1e-13, 1e-11, 1e-6])
+def test_two_optima_that_are_nearly_equal(difference):
+    """A swap of two rows costs next to nothing; which matching is taken is for SciPy to say."""
+    rng = np.random.default_rng(7)
+    for shape in [(60, 60), (450, 500)]:
+        for _ in range(3):
+            costs = rng.random(shape)
+            i, k = rng.choice(shape[0], 2, replace=False)
+            costs[k] = costs[i] + difference * rng.random(shape[1])
+            for goal in (False, True):
+                expected = scipy_assignment(costs, goal)
+                same_pairs(_native.linear_sum_assignment(costs, goal), expected)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e-12, 1e12, 1e150, 1e304])
+@pytest.mark.parametrize("shape", [(70, 70), (420, 450)])
+def test_scales(scale, shape):
+    rng = np.random.default_rng(3)
+    points = rng.random((shape[0] + shape[1], 2))
+    costs = np.linalg.norm(points[: shape[0], None] - points[None, shape[0] :], axis=-1) * scale
+    expected = scipy_assignment(costs)
+    same_pairs(_native.linear_sum_assignment(costs, False), expected)
+    same_pairs(
+        _native.linear_sum_assignment(np.ascontiguousarray(costs.T), False)[::-1],
+        tuple(part[np.argsort(expected[1])] for part in expected),
+    )
+    costs[rng.random(shape) < 0.5] = INF
+    same_pairs(_native.linear_sum_assignment(costs, False), scipy_assignment(costs))
+    costs[0, 0] = 1e3 * scale
+    same_pairs(_native.linear_sum_assignment(costs, False), scipy_assignment(costs))

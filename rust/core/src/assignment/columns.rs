@@ -9,6 +9,7 @@ use pulp::Simd;
 
 /// The widest vector unit's number of lanes: arrays are padded to a multiple of it.
 const LANES: usize = 8;
+const LANE: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// One number of each kind for each column.
 #[derive(Debug, Default)]
@@ -145,21 +146,68 @@ fn pass<S: Simd>(
     columns: &mut Columns,
     mut each: impl FnMut(S::f64s, S::f64s, &mut S::f64s, &mut S::f64s) -> S::f64s,
 ) -> f64 {
-    let (costs, rest) = S::as_simd_f64s(costs);
     let (duals, _) = S::as_simd_f64s(&columns.dual);
     let (distances, _) = S::as_mut_simd_f64s(&mut columns.distance);
     let (via, _) = S::as_mut_simd_f64s(&mut columns.via);
     let mut lowest = simd.splat_f64s(f64::INFINITY);
-    let state = duals.iter().zip(distances.iter_mut()).zip(via.iter_mut());
-    for (&costs, ((&dual, distance), via)) in costs.iter().zip(state) {
-        lowest = simd.min_f64s(lowest, each(costs, dual, distance, via));
+    each_vector(
+        simd,
+        costs,
+        duals.len(),
+        #[inline(always)]
+        |costs, k| {
+            lowest = simd.min_f64s(lowest, each(costs, duals[k], &mut distances[k], &mut via[k]));
+        },
+    );
+    simd.reduce_min_f64s(lowest)
+}
+
+/// Shows `look` every vector of a row and its place, padded with zeros to a whole one at the end.
+/// There are at most `most` places.
+#[inline(always)]
+pub(super) fn each_vector<S: Simd>(
+    simd: S,
+    row: &[f64],
+    most: usize,
+    mut look: impl FnMut(S::f64s, usize),
+) {
+    let (whole, rest) = S::as_simd_f64s(row);
+    let whole = &whole[..whole.len().min(most)];
+    for (k, &vector) in whole.iter().enumerate() {
+        look(vector, k);
     }
     if !rest.is_empty() {
-        let (k, costs) = (costs.len(), simd.partial_load_f64s(rest));
-        let last = each(costs, duals[k], &mut distances[k], &mut via[k]);
-        lowest = simd.min_f64s(lowest, last);
+        look(simd.partial_load_f64s(rest), whole.len());
     }
-    simd.reduce_min_f64s(lowest)
+}
+
+/// The lowest and the second lowest of the costs less the duals, and the column of the lowest.
+#[inline(always)]
+pub(super) fn two_lowest<S: Simd>(simd: S, costs: &[f64], columns: &Columns) -> (f64, f64, usize) {
+    let infinity = simd.splat_f64s(f64::INFINITY);
+    let (duals, _) = S::as_simd_f64s(&columns.dual);
+    let mut lane = S::as_simd_f64s(&LANE).0[0];
+    let step = simd.splat_f64s(S::F64_LANES as f64);
+    let (mut lowest, mut second, mut column) = (infinity, infinity, infinity);
+    each_vector(
+        simd,
+        costs,
+        duals.len(),
+        #[inline(always)]
+        |costs, k| {
+            let reduced = simd.sub_f64s(costs, duals[k]);
+            let lower = simd.less_than_f64s(reduced, lowest);
+            second = simd.min_f64s(simd.max_f64s(reduced, lowest), second);
+            column = simd.select_f64s(lower, lane, column);
+            lowest = simd.min_f64s(reduced, lowest);
+            lane = simd.add_f64s(lane, step);
+        },
+    );
+    let least = simd.reduce_min_f64s(lowest);
+    let there = simd.equal_f64s(lowest, simd.splat_f64s(least));
+    let first = simd.reduce_min_f64s(simd.select_f64s(there, column, infinity));
+    let here = simd.equal_f64s(column, simd.splat_f64s(first));
+    (least, simd.reduce_min_f64s(simd.select_f64s(here, second, lowest)), first as usize)
 }
 
 /// The lowest rank of the columns at this distance.

@@ -4,6 +4,8 @@ pub mod bottleneck;
 mod columns;
 pub mod dense;
 mod paths;
+mod start;
+mod unique;
 
 /// The matched pairs of a matching that is given as the column of each row: rows in rising order
 /// and their columns. `usize::MAX` stands for a row without a column.
