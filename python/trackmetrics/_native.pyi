@@ -72,3 +72,22 @@ def nis_sequence(
     periods: Any,
     nan_where_invalid: bool,
 ) -> Any: ...
+def best_split_gains(
+    draws: NDArray[np.float64], dof: NDArray[np.float64], least: int
+) -> NDArray[np.float64]: ...
+def nees_inflation(
+    transitions: NDArray[np.float64], covariances: NDArray[np.float64], starts: NDArray[np.int64]
+) -> NDArray[np.float64]: ...
+def sampled_shapley_shares(
+    errors: NDArray[np.float64], covariances: NDArray[np.float64], orders: NDArray[np.int64]
+) -> NDArray[np.float64]: ...
+def scale_partitions(
+    values: NDArray[np.float64],
+    dof: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    least: int,
+    most: int,
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+def shapley_shares(
+    errors: NDArray[np.float64], covariances: NDArray[np.float64]
+) -> NDArray[np.float64]: ...

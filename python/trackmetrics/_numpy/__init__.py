@@ -20,6 +20,13 @@ from trackmetrics._numpy.consistency import (
     nis,
     nis_sequence,
 )
+from trackmetrics._numpy.diagnostics import (
+    best_split_gains,
+    nees_inflation,
+    sampled_shapley_shares,
+    scale_partitions,
+    shapley_shares,
+)
 from trackmetrics._numpy.point_sets import ospa, ospa_over_time
 from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
 from trackmetrics._numpy.tracking import (
@@ -32,6 +39,7 @@ from trackmetrics._version import __version__
 
 __all__ = [
     "__version__",
+    "best_split_gains",
     "bottleneck_assignment",
     "credibility_interval",
     "estimation_error_bounds",
@@ -41,6 +49,7 @@ __all__ = [
     "monte_carlo_rmse",
     "mot_metrics",
     "nees",
+    "nees_inflation",
     "nees_sequence",
     "nis",
     "nis_sequence",
@@ -48,8 +57,11 @@ __all__ = [
     "ospa_over_time",
     "position_rmse",
     "rmse",
+    "sampled_shapley_shares",
+    "scale_partitions",
     "set_simd",
     "set_threads",
+    "shapley_shares",
     "simd",
     "threads",
     "track_fragmentation",

@@ -11,6 +11,7 @@
 //! | [`tracking`] | scores over the identities of tracks |
 //! | [`accuracy`] | root mean square errors |
 //! | [`consistency`] | quadratic forms of many small covariances |
+//! | [`diagnostics`] | where a scale changes, and which state an error sits in |
 //!
 //! Nothing in this crate knows Python, draws random numbers, or panics on bad input: what can be
 //! wrong with an argument is an [`Error`].
@@ -21,6 +22,7 @@ pub mod accuracy;
 pub mod arrays;
 pub mod assignment;
 pub mod consistency;
+pub mod diagnostics;
 pub mod error;
 pub mod interrupt;
 pub mod lanes;

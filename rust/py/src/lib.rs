@@ -20,6 +20,7 @@ mod accuracy;
 mod assignment;
 mod consistency;
 mod convert;
+mod diagnostics;
 mod error;
 mod interrupt;
 mod lists;
@@ -36,6 +37,10 @@ mod _native {
         assignment::{bottleneck_assignment, linear_sum_assignment},
         consistency::{
             credibility_interval, mean_statistic, nees, nees_sequence, nis, nis_sequence,
+        },
+        diagnostics::{
+            best_split_gains, nees_inflation, sampled_shapley_shares, scale_partitions,
+            shapley_shares,
         },
         point_sets::{ospa, ospa_over_time},
         settings::{set_simd, set_threads, simd, threads},

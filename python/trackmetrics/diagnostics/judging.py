@@ -1,0 +1,136 @@
+"""The verdicts of NIS and NEES of one track, from its traces and what stands beside them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trackmetrics.diagnostics import innovations as nu
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
+from trackmetrics.diagnostics.deriving import quadratic_forms
+from trackmetrics.diagnostics.grammar import Word
+from trackmetrics.diagnostics.innovations import Correlation, Innovations, Offset
+from trackmetrics.diagnostics.series import MATERIAL, Stretch, Trace
+from trackmetrics.diagnostics.state_bias import StateOffset, state_offsets
+
+EXPLAINED = 0.5
+"""Share of the excess that a bias must take away to be the verdict."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """The NIS or the NEES of a track: its values, where they stand, and the verdict so far."""
+
+    trace: Trace
+    """Values over ``inflation``."""
+    rows: Integers
+    """The update of each value."""
+    inflation: Floats
+    word: Word
+
+    def settled(self) -> Stretch | None:
+        """The longest stretch that is not too high, else the longest."""
+        stretches = self.trace.stretches
+        calm = [s for s in stretches if s.label != "high"] or list(stretches)
+        return max(calm, key=len, default=None)
+
+    def settled_rows(self) -> Integers:
+        """The updates of that stretch, outliers left out."""
+        settled = self.settled()
+        if settled is None:
+            return self.rows if not len(self.trace.kept) else self.rows[self.trace.kept]
+        return self.rows[self.trace.kept[settled.start : settled.stop]]
+
+    def called(self, verdict: str) -> "Quantity":
+        """The same with another verdict."""
+        return replace(self, word=replace(self.word, verdict=verdict))
+
+
+@dataclass(frozen=True)
+class InnovationFindings:
+    """What the innovations said."""
+
+    offsets: tuple[Offset, ...] = ()
+    correlation: Correlation | None = None
+    cause: str | None = None
+
+
+def judge_innovations(
+    nis: Quantity, columns: Columns, values: Floats | None, level: float
+) -> tuple[Quantity, InnovationFindings]:
+    """The verdict on the NIS in the light of the innovations (wrapped) of its settled part."""
+    if values is None or columns.S is None:
+        return nis, InnovationFindings()
+    rows = nis.settled_rows()
+    rows = rows[present(values[rows]) & present(columns.S[rows])]
+    if len(rows) < nu.LEAST_UPDATES:
+        return nis, InnovationFindings()
+    types = columns.measurement_type
+    kinds = np.full(len(rows), "", object) if types is None else types[rows].astype(str)
+    found = Innovations(values[rows], columns.S[rows], kinds.astype(object))
+    biases = [o for o in nu.offsets(found) if o.p_value < level]
+    clean = nu.without(found, biases)
+    white = nu.correlation(clean)
+    sign = white.sign(level)
+    verdict = nis.word.verdict
+    if biases:
+        verdict = _biased(verdict, found, clean)
+    elif verdict == "consistent" and sign:
+        verdict = "non_white"
+    cause = _cause(verdict, sign) if not nis.trace.outliers else None
+    return nis.called(verdict), InnovationFindings(tuple(biases), white, cause)
+
+
+def _biased(verdict: str, found: Innovations, clean: Innovations) -> str:
+    """Biased, unless the verdict says more or the bias explains too little of it."""
+    if verdict in ("consistent", "outliers", "transient", "partly_pessimistic"):
+        return "biased"
+    if verdict != "optimistic":
+        return verdict
+    dof = float((~np.isnan(found.values)).sum())
+    before, after = (float((nu.whitened(i) ** 2).sum()) / dof for i in (found, clean))
+    return "biased" if before - after > EXPLAINED * (before - 1.0) else verdict
+
+
+def _cause(verdict: str, sign: int) -> str | None:
+    if "optimistic" in verdict:
+        return nu.CAUSES.get(("high", sign))
+    if "pessimistic" in verdict:
+        return nu.CAUSES.get(("low", sign))
+    return None
+
+
+def judge_errors(
+    nees: Quantity, columns: Columns, level: float
+) -> tuple[Quantity, tuple[StateOffset, ...]]:
+    """The verdict on the NEES in the light of the errors of its settled part."""
+    if columns.error is None or columns.P is None:
+        return nees, ()
+    rows = nees.settled_rows()
+    rows = rows[present(columns.error[rows]) & present(columns.P[rows])]
+    e, p = columns.error[rows], columns.P[rows]
+    steps = None if columns.A is None else transitions(columns, rows)
+    biases = tuple(o for o in state_offsets(e, p, steps) if o.p_value < level)
+    verdict = nees.word.verdict
+    open_to_bias = ("consistent", "optimistic", "transient", "outliers", "partly_pessimistic")
+    if biases and verdict in open_to_bias and _explains(e, p, biases):
+        return nees.called("biased"), biases
+    return nees, biases
+
+
+def _explains(errors: Floats, covariances: Floats, biases: tuple[StateOffset, ...]) -> bool:
+    bias = np.zeros(errors.shape[1])
+    for offset in biases:
+        bias[offset.state] = offset.value
+    before, after = (
+        float(quadratic_forms(e, covariances).mean()) / errors.shape[1]
+        for e in (errors, errors - bias)
+    )
+    return bool(before < MATERIAL or before - after > EXPLAINED * (before - 1.0))
+
+
+def transitions(columns: Columns, rows: Integers) -> Floats:
+    """The A of these updates, 0 (no memory) where it is not logged or updates are left out."""
+    assert columns.A is not None
+    known = present(columns.A[rows])
+    known[1:] &= np.diff(rows) == 1
+    return np.where(known[:, None, None], np.nan_to_num(columns.A[rows]), 0.0)
