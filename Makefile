@@ -36,6 +36,11 @@ format: $(VENV)/installed
 	$(VENV)/bin/ruff format .
 	$(VENV)/bin/ruff check --fix .
 
+# One after the other, on a machine that does nothing else.
+bench: $(VENV)/installed  ## every comparison with the peers; writes docs/performance.md
+	for bench in benches/bench_*.py; do $(PY) $$bench --save || exit 1; done
+	$(PY) benches/table.py
+
 wheel: $(VENV)/tools  ## the release wheel, in dist/
 	$(VENV)/bin/maturin build --release --locked --out dist
 

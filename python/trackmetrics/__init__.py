@@ -18,6 +18,7 @@ from trackmetrics.accuracy import (
     velocity_rmse,
 )
 from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
+from trackmetrics.compat import patch_pytcl, unpatch_pytcl
 from trackmetrics.consistency import (
     average_nees,
     consistency_test,
@@ -57,12 +58,14 @@ __all__ = [
     "nis_sequence",
     "ospa",
     "ospa_over_time",
+    "patch_pytcl",
     "position_rmse",
     "rmse",
     "set_threads",
     "threads",
     "track_fragmentation",
     "track_purity",
+    "unpatch_pytcl",
     "use_backend",
     "velocity_rmse",
 ]

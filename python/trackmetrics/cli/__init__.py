@@ -13,6 +13,7 @@ from importlib import import_module
 from trackmetrics._version import __version__
 
 COMMANDS: dict[str, str] = {
+    "demo": "simulate a small scene, track it and score the tracker",
     "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
 }
 """Each command and what it does."""
