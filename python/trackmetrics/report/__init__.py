@@ -4,5 +4,6 @@ Needs the extra ``report`` (matplotlib, plotly, Jinja2).
 """
 
 from trackmetrics.report.figures import comparison_figure, overview_figure, track_figure
+from trackmetrics.report.page import page, write_page
 
-__all__ = ["comparison_figure", "overview_figure", "track_figure"]
+__all__ = ["comparison_figure", "overview_figure", "page", "track_figure", "write_page"]

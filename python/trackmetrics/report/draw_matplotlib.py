@@ -161,7 +161,7 @@ def _points(axes: Any, mark: Points, theme: Theme) -> None:
         markerfacecolor="none" if mark.hollow else colour,
         markeredgecolor=colour if mark.hollow else theme.rgba("surface"),
         markeredgewidth=1.2 * _POINT if mark.hollow else 0.5 * _POINT,
-        zorder=4,
+        zorder=3,
     )
 
 
@@ -237,6 +237,7 @@ def _text(axes: Any, mark: Text, theme: Theme) -> None:
         size=11.5 * _POINT,
         color=theme.rgba(mark.colour),
         weight="bold" if mark.bold else "normal",
+        bbox={"facecolor": theme.rgba("surface/0.75"), "edgecolor": "none", "pad": 0.5},
         zorder=5,
         annotation_clip=False,
     )

@@ -28,7 +28,7 @@ from trackmetrics.report.scales import log_ticks, runs
 from trackmetrics.report.theme import Theme
 
 Json = dict[str, Any]
-_DIGITS = 5
+_DIGITS = 4
 
 
 def draw(scene: Scene, theme: Theme) -> Any:
@@ -92,14 +92,15 @@ class _Target:
 
 
 def numbers(values: Floats, log: bool = False) -> list[float | None]:
-    """Numbers as short as the eye can tell: five digits, on a linear axis those of the span."""
-    finite = values[np.isfinite(values)]
-    if log or not finite.size:
-        short = [float(f"{v:.{_DIGITS}g}") if np.isfinite(v) else None for v in values]
-        return short
-    span = float(np.ptp(finite)) or float(np.abs(finite).max()) or 1.0
-    places = _DIGITS - int(np.floor(np.log10(span)))
-    return [round(float(v), places) if np.isfinite(v) else None for v in values]
+    """Numbers as short as the eye can tell: four digits, on a linear axis those of the span."""
+    known = np.isfinite(values)
+    finite = values[known]
+    if log:
+        return [float(f"{v:.{_DIGITS}g}") if v == v else None for v in values.tolist()]
+    span = float(np.ptp(finite)) if finite.size else 0.0
+    span = span or float(np.abs(finite).max(initial=0.0)) or 1.0
+    short: list[float | None] = np.round(values, _DIGITS - int(np.floor(np.log10(span)))).tolist()
+    return short if known.all() else [v if v == v else None for v in short]
 
 
 def _axis_names(i: int) -> tuple[str, str]:
@@ -331,6 +332,8 @@ def _text(target: _Target, mark: Text) -> None:
         yref=target.y,
         xanchor=mark.anchor,
         yanchor="bottom" if mark.above else "middle",
+        bgcolor="@surface/0.75",
+        borderpad=0,
         font={"size": 11.5, "color": f"@{mark.colour}"},
     )
 

@@ -25,6 +25,8 @@ from trackmetrics.report.theme import glyph, verdict_role, words
 
 LANE = 24.0
 """Height of a track in the overview, in pixels."""
+FEW = 60
+"""Updates of a track up to which its points are drawn boldly in the comparison."""
 
 
 def lanes_scene(subjects: Sequence[Subject], title: str) -> Scene:
@@ -120,7 +122,8 @@ def _comparison_panel(
 ) -> Panel:
     scales = [s.scale for subject in subjects for s in subject.segments(quantity)]
     limits = log_limits([*(subject.per_dof(quantity)[0] for subject in subjects), floats(scales)])
-    marks = [m for subject in drawn for m in _comparison_marks(subject, quantity, limits)]
+    marks = [m for subject in drawn for m in _updates(subject, quantity, limits)]
+    marks += [m for subject in drawn for m in _means(subject, quantity)]
     return Panel(
         place,
         (Level(1.0, "muted/0.8"), *marks),
@@ -133,22 +136,28 @@ def _comparison_panel(
     )
 
 
-def _comparison_marks(subject: Subject, quantity: str, limits: Limits) -> list[Mark]:
-    """The points of one track, and its segments as one stepped line."""
-    colour, name = subject.style.colour, subject.track.track
+def _updates(subject: Subject, quantity: str, limits: Limits) -> list[Mark]:
+    """The points of one track, paler where they are many."""
     values = subject.per_dof(quantity)[0]
+    opacity, size = ("0.6", 5.0) if len(values) <= FEW else ("0.3", 3.5)
     marks: list[Mark] = []
     for _, symbol, hollow, rows in subject.kinds():
         chosen = rows & np.isfinite(values)
         if chosen.any():
-            y = on_log_axis(values[chosen], limits)
-            x = subject.minutes[chosen]
-            marks.append(Points(x, y, f"{colour}/0.55", symbol, hollow, 5.0, name))
-    segments = subject.segments(quantity)
-    if segments:
-        starts = [segment.start_time for segment in segments]
-        times = np.repeat([*starts, segments[-1].stop_time], 2)[1:-1]
-        scales = np.repeat([segment.scale for segment in segments], 2)
-        x = subject.clock(times)
-        marks.append(Line(x, floats(scales), colour, 2.4, subject.style.dash, name))
+            x, y = subject.minutes[chosen], on_log_axis(values[chosen], limits)
+            role = f"{subject.style.colour}/{opacity}"
+            marks.append(Points(x, y, role, symbol, hollow, size, subject.track.track))
     return marks
+
+
+def _means(subject: Subject, quantity: str) -> list[Mark]:
+    """The segments of one track as a stepped line."""
+    segments = subject.segments(quantity)
+    if not segments:
+        return []
+    starts = [segment.start_time for segment in segments]
+    times = np.repeat([*starts, segments[-1].stop_time], 2)[1:-1]
+    scales = floats(np.repeat([segment.scale for segment in segments], 2))
+    style = subject.style
+    x = subject.clock(times)
+    return [Line(x, scales, style.colour, 2.6, style.dash, subject.track.track)]

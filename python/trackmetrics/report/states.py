@@ -166,13 +166,14 @@ def _claim(subject: Subject, index: int, place: Rectangle) -> Panel:
     diagnosed = _diagnosed(subject, index)
     assert std is not None
     reference = _reference(std, diagnosed)
-    limits = log_limits([std / reference])
+    doubled = None if diagnosed is None else diagnosed.growth_onset_time
+    limits = log_limits([std / reference], headroom=doubled is not None)
     marks: list[Mark] = [Level(1.0, "muted/0.8")]
     ratio = on_log_axis(std / reference, limits)
     marks.append(Line(subject.minutes, ratio, subject.style.colour, 1.8, name="claimed σ"))
     marks += _points(subject, ratio, 4.0)
-    if diagnosed is not None and diagnosed.growth_onset_time is not None:
-        marks.append(Event(subject.clock.at(diagnosed.growth_onset_time), "doubled", "warning"))
+    if doubled is not None:
+        marks.append(Event(subject.clock.at(doubled), "doubled", "warning"))
     unit = f" {state.unit}" if state.unit else ""
     return Panel(
         place,
