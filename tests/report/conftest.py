@@ -2,6 +2,8 @@
 
 import csv
 import math
+import os
+import shutil
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from trackmetrics.diagnostics import (
     StateDiagnosis,
     TrackDiagnosis,
     Whiteness,
+    diagnose,
 )
 
 STATES = (
@@ -72,7 +75,8 @@ def synthetic_log(tracks, updates=60, seed=1, states=STATES):
 
 def published_log(folder):
     """The published run as a log."""
-    rows = list(csv.DictReader((folder / "published_run" / "updates.csv").open()))
+    text = (folder / "published_run" / "updates.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(text.splitlines()))
     number = lambda row, key: float(row[key]) if row[key] else math.nan  # noqa: E731
     column = lambda key: [number(row, key) for row in rows]  # noqa: E731
     full = [row["measurement_type"] == FULL for row in rows]
@@ -212,3 +216,22 @@ def fleet():
     """A log of a hundred tracks of 200 updates and its diagnosis."""
     log = synthetic_log(100, 200)
     return log, made_up(log)
+
+
+@pytest.fixture
+def published(data):
+    """The published run and its diagnosis."""
+    log = published_log(data)
+    return log, diagnose(log)
+
+
+def pytest_collection_modifyitems(config, items):
+    """Without Chromium the tests in the browser are deselected; in CI that is a failure."""
+    marked = [item for item in items if item.get_closest_marker("browser")]
+    if not marked or (shutil.which("chromium") and shutil.which("chromedriver")):
+        return
+    if os.environ.get("CI"):
+        raise pytest.UsageError("chromium and chromedriver are missing (Debian: chromium-driver)")
+    config.hook.pytest_deselected(items=marked)
+    items[:] = [item for item in items if item not in marked]
+    config.get_terminal_writer().line("no chromium: tests in the browser deselected")

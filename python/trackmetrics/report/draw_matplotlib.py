@@ -210,15 +210,13 @@ def _event(axes: Any, mark: Event, theme: Theme) -> None:
     axes.axvline(
         mark.x, color=colour, linewidth=1.4 * _POINT, linestyle=_DASHES[mark.dash], zorder=2.5
     )
-    low, high = axes.get_xlim()
-    right = mark.x > low + 0.7 * (high - low)
     axes.annotate(
         mark.label,
         (mark.x, 1.0),
         xycoords=("data", "axes fraction"),
-        xytext=(-3 if right else 3, -2 - 14 * _POINT * mark.row),
+        xytext=(-3 if mark.left else 3, -2 - 14 * _POINT * mark.row),
         textcoords="offset points",
-        ha="right" if right else "left",
+        ha="right" if mark.left else "left",
         va="top",
         size=11 * _POINT,
         color=colour,

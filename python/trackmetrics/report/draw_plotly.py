@@ -310,14 +310,12 @@ def _event(target: _Target, mark: Event) -> None:
     ends = {"x0": mark.x, "x1": mark.x, "y0": 0, "y1": 1}
     line = {"color": f"@{mark.colour}", "width": 1.4, "dash": mark.dash}
     target.shape(type="line", xref=target.x, yref=f"{target.y} domain", line=line, **ends)
-    low, high = target.panel.x_limits or (mark.x, mark.x)
-    right = mark.x > low + 0.7 * (high - low)
     target.annotation(
         text=mark.label,
         x=mark.x,
         y=1,
         yref=f"{target.y} domain",
-        xanchor="right" if right else "left",
+        xanchor="right" if mark.left else "left",
         yanchor="top",
         yshift=-14 * mark.row,
         font={"size": 11, "color": f"@{mark.colour}"},

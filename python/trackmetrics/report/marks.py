@@ -101,6 +101,8 @@ class Event:
     dash: str = "dot"
     row: int = 0
     """How many lines below the top its name stands, so that names do not collide."""
+    left: bool = False
+    """Whether its name stands to the left of the line."""
 
 
 @dataclass(frozen=True)

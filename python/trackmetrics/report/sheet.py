@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from trackmetrics import _chi_square
+from trackmetrics import _chi2
 from trackmetrics.diagnostics import QuantityVerdict
 from trackmetrics.report.layout import Frame
 from trackmetrics.report.marks import (
@@ -33,6 +33,8 @@ from trackmetrics.report.states import state_block
 from trackmetrics.report.subject import Subject
 from trackmetrics.report.theme import glyph, words
 
+HONEST = 0.95
+"""Share of an honest filter's values that the shaded intervals hold."""
 QUANTITY_HEIGHT, SUPPORT_ROW = 190.0, 36.0
 TITLE_ROOM, PANEL_GAP, BLOCK_GAP = 64.0, 42.0, 112.0
 
@@ -75,7 +77,7 @@ def _with_clock(subject: Subject, panel: Panel) -> Panel:
 def _quantity_panel(subject: Subject, verdict: QuantityVerdict, place: Rectangle) -> Panel:
     """NIS or NEES per degree of freedom with what an honest filter's would be."""
     values, dof = subject.per_dof(verdict.quantity)
-    low, high = _chi_square.interval(dof)
+    low, high = _chi2.interval(dof, HONEST)
     edges = [edge for s in verdict.segments for edge in s.interval if np.isfinite(edge)]
     events = _events(subject, verdict)
     limits = log_limits([values, low / dof, high / dof, floats(edges)], headroom=bool(events))
@@ -106,7 +108,7 @@ def _quantity_panel(subject: Subject, verdict: QuantityVerdict, place: Rectangle
 def _honest(subject: Subject, dof: Floats, pixels: float) -> list[Mark]:
     """The chi-square interval of each point: one band where all have the same dof, else bars."""
     known = np.isfinite(dof)
-    low, high = _chi_square.interval(dof[known])
+    low, high = _chi2.interval(dof[known], HONEST)
     low, high = low / dof[known], high / dof[known]
     if not known.any():
         return []
@@ -161,19 +163,20 @@ def _outliers(subject: Subject, quantity: str) -> list[Mark]:
 
 
 def _events(subject: Subject, verdict: QuantityVerdict) -> list[Mark]:
-    """Onset, settling and alarm; those close together have their names under each other."""
+    """Onset, settling and alarm; names of those close together stand apart."""
     named = (
         ("onset", verdict.onset_time, "high"),
         ("settled", verdict.settle_time, "consistent"),
         ("alarm", verdict.alarm_time, "warning"),
     )
-    at = [(subject.clock.at(time), name, role) for name, time, role in named if time is not None]
+    at = sorted((subject.clock.at(t), name, role) for name, t, role in named if t is not None)
+    span = subject.span[1] - subject.span[0]
     marks: list[Mark] = []
-    room, row, before = 0.16 * (subject.span[1] - subject.span[0]), 0, -np.inf
-    for minute, name, role in sorted(at):
-        row = row + 1 if minute - before < room else 0
-        marks.append(Event(minute, f"{name} {minute:.4g} min", role, row=row))
-        before = minute
+    for i, (minute, name, role) in enumerate(at):
+        crowded = i + 1 < len(at) and at[i + 1][0] - minute < 0.16 * span
+        left = minute > 0.16 * span and (crowded or minute > 0.8 * span)
+        row = i if i and minute - at[i - 1][0] < 0.16 * span else 0
+        marks.append(Event(minute, f"{name} {minute:.4g} min", role, row=row, left=left))
     return marks
 
 

@@ -173,7 +173,7 @@ def _claim(subject: Subject, index: int, place: Rectangle) -> Panel:
     marks.append(Line(subject.minutes, ratio, subject.style.colour, 1.8, name="claimed σ"))
     marks += _points(subject, ratio, 4.0)
     if doubled is not None:
-        marks.append(Event(subject.clock.at(doubled), "doubled", "warning"))
+        marks.append(_doubled(subject, doubled))
     unit = f" {state.unit}" if state.unit else ""
     return Panel(
         place,
@@ -184,6 +184,11 @@ def _claim(subject: Subject, index: int, place: Rectangle) -> Panel:
         x_limits=subject.x_limits,
         y_limits=limits,
     )
+
+
+def _doubled(subject: Subject, time: float) -> Event:
+    minute = subject.clock.at(time)
+    return Event(minute, "doubled", "warning", left=minute > 0.7 * subject.span[1])
 
 
 def _reference(std: Floats, diagnosed: StateDiagnosis | None) -> float:
