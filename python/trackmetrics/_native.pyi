@@ -91,3 +91,35 @@ def scale_partitions(
 def shapley_shares(
     errors: NDArray[np.float64], covariances: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...
+def vessel_advance(
+    x: NDArray[np.float64],
+    times: NDArray[np.float64],
+    motion: tuple[float, float, float, float],
+) -> NDArray[np.float64]: ...
+def vessel_filter(
+    life: NDArray[np.float64],
+    x: NDArray[np.float64],
+    P: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    times: NDArray[np.float64],
+    z: NDArray[np.float64],
+    observed: NDArray[np.int64],
+    sigmas: NDArray[np.float64],
+    motion: tuple[float, float, float, float],
+    rules: tuple[int, float, bool, float],
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]: ...
+def vessel_gate(
+    x: NDArray[np.float64],
+    P: NDArray[np.float64],
+    times: NDArray[np.float64],
+    z: NDArray[np.float64],
+    sigmas: NDArray[np.float64],
+    gate: float,
+    motion: tuple[float, float, float, float],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]: ...
+def vessel_predict(
+    x: NDArray[np.float64],
+    P: NDArray[np.float64],
+    times: NDArray[np.float64],
+    motion: tuple[float, float, float, float],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...

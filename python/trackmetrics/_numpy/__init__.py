@@ -35,6 +35,12 @@ from trackmetrics._numpy.tracking import (
     track_fragmentation,
     track_purity,
 )
+from trackmetrics._numpy.vessel import (
+    vessel_advance,
+    vessel_filter,
+    vessel_gate,
+    vessel_predict,
+)
 from trackmetrics._version import __version__
 
 __all__ = [
@@ -67,4 +73,8 @@ __all__ = [
     "track_fragmentation",
     "track_purity",
     "velocity_rmse",
+    "vessel_advance",
+    "vessel_filter",
+    "vessel_gate",
+    "vessel_predict",
 ]

@@ -10,6 +10,7 @@
 //! | [`point_sets`] | distances between finite sets of points |
 //! | [`tracking`] | scores over the identities of tracks |
 //! | [`accuracy`] | root mean square errors |
+//! | [`vessel`] | the five-state estimator of vessels from AIS and positions |
 //! | [`consistency`] | quadratic forms of many small covariances |
 //! | [`diagnostics`] | where a scale changes, and which state an error sits in |
 //!
@@ -31,6 +32,7 @@ pub mod points;
 pub mod simd;
 pub mod threads;
 pub mod tracking;
+pub mod vessel;
 
 pub use arrays::Array;
 pub use error::{Error, Result};
