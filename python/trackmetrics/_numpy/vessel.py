@@ -182,7 +182,7 @@ def variances(z: Floats, sigma: Floats) -> Floats:
 def cholesky(s: Floats, report: int) -> Floats:
     """L of S = L L'; names the report where S is not positive definite."""
     try:
-        lower: Floats = np.linalg.cholesky(s)
+        lower = np.asarray(np.linalg.cholesky(s), np.float64)
         if np.isfinite(lower).all():
             return lower
     except np.linalg.LinAlgError:
