@@ -34,11 +34,6 @@ def parameter(argument: str, requirement: str, value: float) -> ValueError:
     return ValueError(f"{argument} must be {requirement}, got {float(value)!r}")
 
 
-def element(argument: str, index: Sequence[int], requirement: str, value: float) -> ValueError:
-    """An element outside the range that the definition allows."""
-    return ValueError(f"{argument}{place(index)} must be {requirement}, got {float(value)!r}")
-
-
 def length(argument: str, found: int, other: str, expected: int, unit: str) -> ValueError:
     """Two sequences that must be equally long are not."""
     return ValueError(f"{argument} has {found} {unit}, {other} has {expected}")

@@ -41,17 +41,6 @@ pub enum Error {
         /// What it was.
         value: f64,
     },
-    /// An element outside the range that the definition allows.
-    Element {
-        /// The argument's name.
-        argument: &'static str,
-        /// Where in the argument, outermost index first.
-        index: Vec<usize>,
-        /// What it must be, as a phrase that follows "must be".
-        requirement: &'static str,
-        /// What it was.
-        value: f64,
-    },
     /// Two sequences that must be equally long are not.
     Length {
         /// The shorter or longer sequence.
@@ -154,14 +143,6 @@ impl fmt::Display for Error {
             }
             Self::Parameter { argument, requirement, value } => {
                 write!(f, "{argument} must be {requirement}, got {}", Number(*value))
-            }
-            Self::Element { argument, index, requirement, value } => {
-                write!(
-                    f,
-                    "{argument}{} must be {requirement}, got {}",
-                    Place(index),
-                    Number(*value)
-                )
             }
             Self::Length { argument, found, other, expected, unit } => {
                 write!(f, "{argument} has {found} {unit}, {other} has {expected}")
