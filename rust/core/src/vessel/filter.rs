@@ -234,7 +234,7 @@ pub fn filter(
         for i in reports.starts[t] as usize..reports.starts[t + 1] as usize {
             let measured = reports.measurement(i);
             let row = track.take(reports.times[i], &measured, motion, life).map_err(|minor| {
-                Error::NotPositiveDefinite { argument: "S", index: Some(i), minor }
+                Error::NotPositiveDefinite { argument: "S", index: vec![i], minor }
             })?;
             rows.write(i, &row, &track, &measured);
         }
