@@ -125,12 +125,15 @@ def reports(draw):
     n = int(starts[-1])
     steps = rng.choice([0.0, 2.0, 60.0, 400.0, 1900.0, 4000.0, -30.0], n)
     times = np.cumsum(steps) + draw(st.sampled_from([0.0, 1.7e9]))
+    # Northward at 10 kt: nonsense would make the filter chaotic, and rounding errors with it.
+    sailed = np.cumsum(np.maximum(steps, 0)) * 10 * KNOT / 111_000
+    jumps = rng.choice([0.0, 0.01], n, p=[0.9, 0.1])
     z = np.stack(
         [
-            draw(st.sampled_from([-80.0, 0.0, 60.0])) + rng.normal(size=n) * 0.01,
-            draw(st.sampled_from([0.0, 179.999])) + rng.normal(size=n) * 0.01,
-            np.abs(rng.normal(10, 5, n)),
-            rng.uniform(0, 360, n),
+            draw(st.sampled_from([-80.0, 0.0, 60.0])) + sailed + rng.normal(size=n) * 1e-4,
+            draw(st.sampled_from([0.0, 179.999])) + jumps + rng.normal(size=n) * 1e-4,
+            np.abs(rng.normal(10, 1, n)),
+            rng.normal(0, 5, n) % 360,
         ],
         axis=1,
     )
