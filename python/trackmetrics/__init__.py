@@ -30,13 +30,21 @@ from trackmetrics.consistency import (
 )
 from trackmetrics.mospa import calc_mospa_error, mmospa2tar_2d, mmospa_approx
 from trackmetrics.point_sets import ospa, ospa_over_time
-from trackmetrics.results import BottleneckAssignment, ConsistencyResult, MOTMetrics, OSPAResult
+from trackmetrics.results import (
+    BottleneckAssignment,
+    ConsistencyResult,
+    MOTMetrics,
+    OSPA2Result,
+    OSPAResult,
+)
 from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
+from trackmetrics.trajectories import ospa2
 
 __all__ = [
     "BottleneckAssignment",
     "ConsistencyResult",
     "MOTMetrics",
+    "OSPA2Result",
     "OSPAResult",
     "__version__",
     "average_nees",
@@ -57,6 +65,7 @@ __all__ = [
     "nis",
     "nis_sequence",
     "ospa",
+    "ospa2",
     "ospa_over_time",
     "patch_pytcl",
     "position_rmse",

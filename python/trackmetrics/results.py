@@ -70,3 +70,21 @@ class ConsistencyResult(NamedTuple):
     """The greatest mean that chance allows; above it, the filter is too optimistic."""
     mean_value: float
     """The mean of the values, once more."""
+
+
+@dataclass(frozen=True, eq=False)
+class OSPA2Result:
+    """OSPA(2) over time; ``ospa2 ** p == localization ** p + cardinality ** p`` at each time."""
+
+    times: NDArray[np.float64]
+    """When it was evaluated, shape (T,)."""
+    ospa2: NDArray[np.float64]
+    """The distance, in the unit of the states; 0 is best, ``c`` is worst."""
+    localization: NDArray[np.float64]
+    """The part owed to the distances of matched tracks."""
+    cardinality: NDArray[np.float64]
+    """The part owed to the difference in the number of tracks."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)

@@ -35,6 +35,7 @@ from trackmetrics._numpy.tracking import (
     track_fragmentation,
     track_purity,
 )
+from trackmetrics._numpy.trajectories import ospa2
 from trackmetrics._numpy.vessel import (
     vessel_advance,
     vessel_filter,
@@ -60,6 +61,7 @@ __all__ = [
     "nis",
     "nis_sequence",
     "ospa",
+    "ospa2",
     "ospa_over_time",
     "position_rmse",
     "rmse",

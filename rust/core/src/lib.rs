@@ -8,6 +8,7 @@
 //! | [`lanes`] | many small records at once, one in each lane |
 //! | [`assignment`] | who is matched with whom, at the least total cost |
 //! | [`point_sets`] | distances between finite sets of points |
+//! | [`trajectories`] | distances between sets of trajectories |
 //! | [`tracking`] | scores over the identities of tracks |
 //! | [`accuracy`] | root mean square errors |
 //! | [`vessel`] | the five-state estimator of vessels from AIS and positions |
@@ -32,6 +33,7 @@ pub mod points;
 pub mod simd;
 pub mod threads;
 pub mod tracking;
+pub mod trajectories;
 pub mod vessel;
 
 pub use arrays::Array;

@@ -28,6 +28,7 @@ mod point_sets;
 mod settings;
 mod tensor;
 mod tracking;
+mod trajectories;
 mod vessel;
 
 #[pyo3::pymodule]
@@ -46,6 +47,7 @@ mod _native {
         point_sets::{ospa, ospa_over_time},
         settings::{set_simd, set_threads, simd, threads},
         tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},
+        trajectories::ospa2,
         vessel::{vessel_advance, vessel_filter, vessel_gate, vessel_predict},
     };
     use pyo3::prelude::*;
