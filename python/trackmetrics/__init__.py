@@ -36,9 +36,10 @@ from trackmetrics.results import (
     MOTMetrics,
     OSPA2Result,
     OSPAResult,
+    TrajectoryGOSPAResult,
 )
 from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
-from trackmetrics.trajectories import ospa2
+from trackmetrics.trajectories import ospa2, trajectory_gospa
 
 __all__ = [
     "BottleneckAssignment",
@@ -46,6 +47,7 @@ __all__ = [
     "MOTMetrics",
     "OSPA2Result",
     "OSPAResult",
+    "TrajectoryGOSPAResult",
     "__version__",
     "average_nees",
     "backend",
@@ -74,6 +76,7 @@ __all__ = [
     "threads",
     "track_fragmentation",
     "track_purity",
+    "trajectory_gospa",
     "unpatch_pytcl",
     "use_backend",
     "velocity_rmse",

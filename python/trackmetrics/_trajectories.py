@@ -24,12 +24,10 @@ class Trajectories:
     times: Floats
     """The time of each state, rising within a trajectory, shape (N,)."""
 
-    def __len__(self) -> int:
+    @property
+    def count(self) -> int:
+        """How many trajectories."""
         return len(self.starts) - 1
-
-    def one(self, i: int) -> slice:
-        """The places of one trajectory."""
-        return slice(self.starts[i], self.starts[i + 1])
 
 
 def read(argument: str, values: Any) -> Trajectories:

@@ -88,3 +88,31 @@ class OSPA2Result:
     def to_dict(self) -> dict[str, Any]:
         """The fields by name."""
         return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryGOSPAResult:
+    """Trajectory GOSPA and its parts over time, which are p-th powers and add up:
+    ``distance ** p == sum(totals().values())``."""
+
+    distance: float
+    """The distance, in the unit of the states; 0 is best."""
+    times: NDArray[np.float64]
+    """The times at which something exists, shape (T,)."""
+    localization: NDArray[np.float64]
+    """Owed to the distances of states that are followed, shape (T,)."""
+    missed: NDArray[np.float64]
+    """Owed to states of the truth that nobody follows, shape (T,)."""
+    false: NDArray[np.float64]
+    """Owed to states of tracks that follow nobody, shape (T,)."""
+    switching: NDArray[np.float64]
+    """Owed to changes from each time to the next, shape (T - 1,)."""
+
+    def totals(self) -> dict[str, float]:
+        """The four parts, summed over time."""
+        names = ("localization", "missed", "false", "switching")
+        return {name: float(getattr(self, name).sum()) for name in names}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
