@@ -7,12 +7,13 @@ import numpy as np
 from trackmetrics import errors
 from trackmetrics._numpy.arguments import Floats, Frames, finite, frames, plain_points, positive
 from trackmetrics._numpy.assignment import solve, solve_bottleneck
+from trackmetrics.results import OSPAResult
 
 Parts = tuple[float, float, float]
 
 
-def ospa(x: Floats, y: Floats, c: float, p: float) -> Parts:
-    """OSPA of one frame: (distance, localization, cardinality)."""
+def ospa(x: Floats, y: Floats, c: float, p: float) -> OSPAResult:
+    """OSPA of one frame."""
     plain_points(x, y)
     finite("X", x)
     finite("Y", y)
@@ -20,7 +21,7 @@ def ospa(x: Floats, y: Floats, c: float, p: float) -> Parts:
     positive("p", p)
     if len(x) and len(y) and x.shape[1] != y.shape[1]:
         raise errors.dimension("Y", [0], y.shape[1], x.shape[1])
-    return _ospa(x, y, c, p)
+    return OSPAResult(*_ospa(x, y, c, p))
 
 
 def ospa_over_time(x: Frames, y: Frames, c: float, p: float) -> Floats:

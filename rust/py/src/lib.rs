@@ -10,6 +10,7 @@
 //! | `convert`, `tensor` | the argument types that kernels take |
 //! | `error` | core errors as Python exceptions |
 //! | `interrupt` | Ctrl-C in long kernels |
+//! | `results` | named tuples |
 //! | the rest | one thin file for each room of core |
 
 #![deny(unsafe_code)]
@@ -24,6 +25,7 @@ mod error;
 mod interrupt;
 mod lists;
 mod point_sets;
+mod results;
 mod settings;
 mod tensor;
 mod tracking;

@@ -2,6 +2,7 @@
 
 use crate::convert::{FrameSequence, PointSet};
 use crate::error::raise;
+use crate::results::ospa_result;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use std::cell::RefCell;
@@ -14,21 +15,21 @@ thread_local! {
     static WORK: RefCell<Workspace> = RefCell::default();
 }
 
-/// OSPA of one frame: (distance, localization, cardinality).
+/// OSPA of one frame.
 #[pyfunction]
-pub(crate) fn ospa(
-    py: Python<'_>,
-    x: &Bound<'_, PyAny>,
-    y: &Bound<'_, PyAny>,
+pub(crate) fn ospa<'py>(
+    py: Python<'py>,
+    x: &Bound<'py, PyAny>,
+    y: &Bound<'py, PyAny>,
     c: f64,
     p: f64,
-) -> PyResult<(f64, f64, f64)> {
+) -> PyResult<Bound<'py, PyAny>> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
     let compute =
         || WORK.with_borrow_mut(|work| kernel::ospa(x.points("X")?, y.points("Y")?, c, p, work));
     let detach = x.size().min(y.size()) >= WORTH_DETACHING;
     let result = if detach { py.detach(compute) } else { compute() };
-    result.map(|r| (r.distance, r.localization, r.cardinality)).map_err(raise)
+    ospa_result(py, result.map_err(raise)?)
 }
 
 /// OSPA of every frame of two sequences.
