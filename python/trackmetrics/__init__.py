@@ -28,14 +28,33 @@ from trackmetrics.consistency import (
     nis_sequence,
 )
 from trackmetrics.mospa import calc_mospa_error, mmospa2tar_2d, mmospa_approx
-from trackmetrics.point_sets import ospa, ospa_over_time
-from trackmetrics.results import BottleneckAssignment, ConsistencyResult, MOTMetrics, OSPAResult
+from trackmetrics.point_sets import (
+    Mahalanobis,
+    gospa,
+    gospa_from_distances,
+    gospa_over_time,
+    ospa,
+    ospa_assignment,
+    ospa_from_distances,
+    ospa_over_time,
+)
+from trackmetrics.results import (
+    BottleneckAssignment,
+    ConsistencyResult,
+    GOSPAResult,
+    GOSPASequence,
+    MOTMetrics,
+    OSPAResult,
+)
 from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
 
 __all__ = [
     "BottleneckAssignment",
     "ConsistencyResult",
+    "GOSPAResult",
+    "GOSPASequence",
     "MOTMetrics",
+    "Mahalanobis",
     "OSPAResult",
     "__version__",
     "average_nees",
@@ -45,6 +64,9 @@ __all__ = [
     "consistency_test",
     "credibility_interval",
     "estimation_error_bounds",
+    "gospa",
+    "gospa_from_distances",
+    "gospa_over_time",
     "identity_switches",
     "linear_sum_assignment",
     "mmospa2tar_2d",
@@ -56,6 +78,8 @@ __all__ = [
     "nis",
     "nis_sequence",
     "ospa",
+    "ospa_assignment",
+    "ospa_from_distances",
     "ospa_over_time",
     "position_rmse",
     "rmse",

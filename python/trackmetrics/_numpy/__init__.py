@@ -20,7 +20,16 @@ from trackmetrics._numpy.consistency import (
     nis,
     nis_sequence,
 )
-from trackmetrics._numpy.point_sets import ospa, ospa_over_time
+from trackmetrics._numpy.distances import mahalanobis_distances, point_distances
+from trackmetrics._numpy.point_sets import (
+    gospa,
+    gospa_from_distances,
+    gospa_over_time,
+    ospa,
+    ospa_assignment,
+    ospa_from_distances,
+    ospa_over_time,
+)
 from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
 from trackmetrics._numpy.tracking import (
     identity_switches,
@@ -35,8 +44,12 @@ __all__ = [
     "bottleneck_assignment",
     "credibility_interval",
     "estimation_error_bounds",
+    "gospa",
+    "gospa_from_distances",
+    "gospa_over_time",
     "identity_switches",
     "linear_sum_assignment",
+    "mahalanobis_distances",
     "mean_statistic",
     "monte_carlo_rmse",
     "mot_metrics",
@@ -45,7 +58,10 @@ __all__ = [
     "nis",
     "nis_sequence",
     "ospa",
+    "ospa_assignment",
+    "ospa_from_distances",
     "ospa_over_time",
+    "point_distances",
     "position_rmse",
     "rmse",
     "set_simd",

@@ -39,7 +39,10 @@ mod _native {
         consistency::{
             credibility_interval, mean_statistic, nees, nees_sequence, nis, nis_sequence,
         },
-        point_sets::{ospa, ospa_over_time},
+        point_sets::{
+            gospa, gospa_from_distances, gospa_over_time, mahalanobis_distances, ospa,
+            ospa_assignment, ospa_from_distances, ospa_over_time, point_distances,
+        },
         settings::{set_simd, set_threads, simd, threads},
         tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},
     };

@@ -13,34 +13,38 @@
 //! Cost: O(rows x columns) and as much again for each conflict and each row on its path.
 
 use super::rows::{Lowest, PADDING};
+use super::unique::Graph;
 use pulp::Simd;
 use std::cmp::Ordering;
 
 /// No partner yet.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 /// A row that stays alone.
-const ALONE: u32 = u32::MAX - 1;
+pub(super) const ALONE: u32 = u32::MAX - 1;
 
 /// What one matching needs and the next can use again.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
+    /// The points of the columns, axis by axis.
+    pub(super) axes: Vec<f64>,
     /// The costs, row by row, each row padded to `stride` with the price of staying alone.
-    costs: Vec<f64>,
-    rows: usize,
-    stride: usize,
-    row_dual: Vec<f64>,
-    column_dual: Vec<f64>,
+    pub(super) costs: Vec<f64>,
+    pub(super) rows: usize,
+    pub(super) stride: usize,
+    pub(super) row_dual: Vec<f64>,
+    pub(super) column_dual: Vec<f64>,
     /// Length of the shortest path to each column.
     distance: Vec<f64>,
     /// The row before each column on that path.
     previous: Vec<u64>,
-    column_of_row: Vec<u32>,
+    pub(super) column_of_row: Vec<u32>,
     /// With one place more, for rows that stay alone.
-    row_of_column: Vec<u32>,
+    pub(super) row_of_column: Vec<u32>,
     /// The rows whose cheapest column was taken; so many of them.
     conflicts: Vec<u32>,
     conflicting: usize,
     reached: Vec<Reached>,
+    pub(super) graph: Graph,
 }
 
 /// A column on the way of the search.
@@ -73,6 +77,8 @@ impl Workspace {
             self.column_of_row.resize(rows, NONE);
             self.conflicts.resize(rows, NONE);
         }
+        self.column_dual.clear();
+        self.column_dual.resize(self.stride, 0.0);
         self.row_of_column.clear();
         self.row_of_column.resize(self.stride + 1, NONE);
     }
@@ -132,6 +138,14 @@ impl Workspace {
         partners.map(|(i, &j)| self.cost(i, j, alone)).sum()
     }
 
+    /// The rows that are matched at less than the price of staying alone, with their columns, once
+    /// solved.
+    pub(super) fn pairs(&self, alone: f64) -> impl Iterator<Item = (usize, usize)> {
+        let rows = self.column_of_row[..self.rows].iter().enumerate();
+        let matched = rows.filter(move |(i, j)| self.cost(*i, **j, alone) < alone);
+        matched.map(|(i, j)| (i, *j as usize))
+    }
+
     #[inline(always)]
     fn cost(&self, row: usize, column: u32, alone: f64) -> f64 {
         if column == ALONE { alone } else { self.costs[row * self.stride + column as usize] }
@@ -139,8 +153,6 @@ impl Workspace {
 
     #[inline(always)]
     fn resolve<S: Simd>(&mut self, simd: S, alone: f64) {
-        self.column_dual.clear();
-        self.column_dual.resize(self.stride, 0.0);
         self.distance.resize(self.stride, 0.0);
         self.previous.resize(self.stride, 0);
         for k in 0..self.conflicting {

@@ -7,6 +7,7 @@
 
 use super::cutoff::{Cutoff, Power};
 use super::matching::Workspace;
+use super::sets::Sets;
 use crate::points::Points;
 use pulp::Simd;
 
@@ -73,7 +74,7 @@ pub(super) fn lay_out(points: Points, axes: &mut Vec<f64>) {
 
 /// Enters every point of `x` as a row of costs against the points laid out in `axes`.
 #[inline(always)]
-pub(super) fn enter_rows<S: Simd>(
+pub(super) fn enter_points<S: Simd>(
     simd: S,
     x: Points,
     axes: &[f64],
@@ -150,8 +151,31 @@ fn stepwise<S: Simd>(simd: S, x: Points, axes: &[f64], cutoff: &Cutoff, work: &m
             }
         }
         row.iter_mut().for_each(|cost| *cost = cutoff.cost_of_square(*cost));
-        let mut lowest = Lowest::new(simd, cutoff.most());
-        S::as_simd_f64s(row).0.iter().for_each(|costs| lowest.take(simd, *costs));
-        work.enter(i, lowest.finish(simd));
+        enter_row(simd, i, cutoff, work);
     }
+}
+
+/// Enters rows of costs that are computed one by one.
+#[inline(always)]
+pub(super) fn enter_costs<S: Simd>(
+    simd: S,
+    sets: impl Sets,
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+) {
+    let (m, n) = sets.sizes();
+    for i in 0..m {
+        let (costs, padding) = work.row(i).split_at_mut(n);
+        costs.iter_mut().enumerate().for_each(|(j, cost)| *cost = sets.cost(i, j, cutoff));
+        padding.fill(cutoff.most());
+        enter_row(simd, i, cutoff, work);
+    }
+}
+
+/// Enters a row whose costs are written.
+#[inline(always)]
+fn enter_row<S: Simd>(simd: S, i: usize, cutoff: &Cutoff, work: &mut Workspace) {
+    let mut lowest = Lowest::new(simd, cutoff.most());
+    S::as_simd_f64s(work.row(i)).0.iter().for_each(|costs| lowest.take(simd, *costs));
+    work.enter(i, lowest.finish(simd));
 }
