@@ -8,8 +8,15 @@ same names and the same numbers. Truth comes first, then estimates; what is unde
 1.0
 """
 
-from trackmetrics._backend import backend, set_threads, threads, use_backend
-from trackmetrics._version import __version__
+from trackmetrics._backend import (
+    backend,
+    set_threads,
+    threads,
+    use_backend,
+)
+from trackmetrics._version import (
+    __version__,
+)
 from trackmetrics.accuracy import (
     estimation_error_bounds,
     monte_carlo_rmse,
@@ -17,8 +24,14 @@ from trackmetrics.accuracy import (
     rmse,
     velocity_rmse,
 )
-from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
-from trackmetrics.compat import patch_pytcl, unpatch_pytcl
+from trackmetrics.assignment import (
+    bottleneck_assignment,
+    linear_sum_assignment,
+)
+from trackmetrics.compat import (
+    patch_pytcl,
+    unpatch_pytcl,
+)
 from trackmetrics.consistency import (
     average_nees,
     consistency_test,
@@ -28,23 +41,49 @@ from trackmetrics.consistency import (
     nis,
     nis_sequence,
 )
-from trackmetrics.mospa import calc_mospa_error, mmospa2tar_2d, mmospa_approx
-from trackmetrics.point_sets import ospa, ospa_over_time
+from trackmetrics.mospa import (
+    calc_mospa_error,
+    mmospa2tar_2d,
+    mmospa_approx,
+)
+from trackmetrics.point_sets import (
+    Mahalanobis,
+    gospa,
+    gospa_from_distances,
+    gospa_over_time,
+    ospa,
+    ospa_assignment,
+    ospa_from_distances,
+    ospa_over_time,
+)
 from trackmetrics.results import (
     BottleneckAssignment,
     ConsistencyResult,
+    GOSPAResult,
+    GOSPASequence,
     MOTMetrics,
     OSPA2Result,
     OSPAResult,
     TrajectoryGOSPAResult,
 )
-from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
-from trackmetrics.trajectories import ospa2, trajectory_gospa
+from trackmetrics.tracking import (
+    identity_switches,
+    mot_metrics,
+    track_fragmentation,
+    track_purity,
+)
+from trackmetrics.trajectories import (
+    ospa2,
+    trajectory_gospa,
+)
 
 __all__ = [
     "BottleneckAssignment",
     "ConsistencyResult",
+    "GOSPAResult",
+    "GOSPASequence",
     "MOTMetrics",
+    "Mahalanobis",
     "OSPA2Result",
     "OSPAResult",
     "TrajectoryGOSPAResult",
@@ -56,6 +95,9 @@ __all__ = [
     "consistency_test",
     "credibility_interval",
     "estimation_error_bounds",
+    "gospa",
+    "gospa_from_distances",
+    "gospa_over_time",
     "identity_switches",
     "linear_sum_assignment",
     "mmospa2tar_2d",
@@ -68,6 +110,8 @@ __all__ = [
     "nis_sequence",
     "ospa",
     "ospa2",
+    "ospa_assignment",
+    "ospa_from_distances",
     "ospa_over_time",
     "patch_pytcl",
     "position_rmse",

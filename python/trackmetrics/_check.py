@@ -46,6 +46,14 @@ def cost_matrix(values: Any) -> Floats:
     return array
 
 
+def matrix(argument: str, values: Any) -> Floats:
+    """``values`` as a C-ordered float64 matrix."""
+    array = floats(argument, values)
+    if array.ndim != 2:
+        raise errors.shape(argument, array.shape, "(m, n)")
+    return array
+
+
 def points(argument: str, values: Any, dimension: int | None = None) -> Floats:
     """A set of points as an ``(n, d)`` array; each point is flattened.
 

@@ -85,6 +85,29 @@ class OSPA2Result:
     cardinality: NDArray[np.float64]
     """The part owed to the difference in the number of tracks."""
 
+
+class GOSPAResult:
+    """GOSPA distance of two sets of points, its parts, and the pairs behind it; 0 is best.
+
+    ``localization + missed + false == distance ** p`` for ``alpha = 2``; the parts do not exist
+    otherwise and are NaN.
+    """
+
+    distance: float
+    """The distance, in the unit of the points."""
+    localization: float
+    """The sum of ``d ** p`` over the pairs."""
+    missed: float
+    """``c ** p / 2`` for each point of the truth without a partner."""
+    false: float
+    """``c ** p / 2`` for each estimate without a partner."""
+    num_missed: int
+    """Points of the truth without a partner closer than ``c``."""
+    num_false: int
+    """Estimates without a partner closer than ``c``."""
+    assignment: NDArray[np.int64]
+    """The pairs closer than ``c``, shape (k, 2): index in X, index in Y; the first rises."""
+
     def to_dict(self) -> dict[str, Any]:
         """The fields by name."""
         return asdict(self)
@@ -112,6 +135,23 @@ class TrajectoryGOSPAResult:
         """The four parts, summed over time."""
         names = ("localization", "missed", "false", "switching")
         return {name: float(getattr(self, name).sum()) for name in names}
+
+
+class GOSPASequence:
+    """GOSPA at every time step of two sequences; each field has shape (T,)."""
+
+    distance: NDArray[np.float64]
+    """The distance, in the unit of the points; 0 is best."""
+    localization: NDArray[np.float64]
+    """The sum of ``d ** p`` over the pairs; NaN unless ``alpha = 2``, as the next two."""
+    missed: NDArray[np.float64]
+    """``c ** p / 2`` for each point of the truth without a partner."""
+    false: NDArray[np.float64]
+    """``c ** p / 2`` for each estimate without a partner."""
+    num_missed: NDArray[np.int64]
+    """Points of the truth without a partner closer than ``c``."""
+    num_false: NDArray[np.int64]
+    """Estimates without a partner closer than ``c``."""
 
     def to_dict(self) -> dict[str, Any]:
         """The fields by name."""

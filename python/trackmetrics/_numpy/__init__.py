@@ -11,7 +11,10 @@ from trackmetrics._numpy.accuracy import (
     rmse,
     velocity_rmse,
 )
-from trackmetrics._numpy.assignment import bottleneck_assignment, linear_sum_assignment
+from trackmetrics._numpy.assignment import (
+    bottleneck_assignment,
+    linear_sum_assignment,
+)
 from trackmetrics._numpy.consistency import (
     credibility_interval,
     mean_statistic,
@@ -27,22 +30,43 @@ from trackmetrics._numpy.diagnostics import (
     scale_partitions,
     shapley_shares,
 )
-from trackmetrics._numpy.point_sets import ospa, ospa_over_time
-from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
+from trackmetrics._numpy.distances import (
+    mahalanobis_distances,
+    point_distances,
+)
+from trackmetrics._numpy.point_sets import (
+    gospa,
+    gospa_from_distances,
+    gospa_over_time,
+    ospa,
+    ospa_assignment,
+    ospa_from_distances,
+    ospa_over_time,
+)
+from trackmetrics._numpy.settings import (
+    set_simd,
+    set_threads,
+    simd,
+    threads,
+)
 from trackmetrics._numpy.tracking import (
     identity_switches,
     mot_metrics,
     track_fragmentation,
     track_purity,
 )
-from trackmetrics._numpy.trajectories import ospa2
+from trackmetrics._numpy.trajectories import (
+    ospa2,
+)
 from trackmetrics._numpy.vessel import (
     vessel_advance,
     vessel_filter,
     vessel_gate,
     vessel_predict,
 )
-from trackmetrics._version import __version__
+from trackmetrics._version import (
+    __version__,
+)
 
 __all__ = [
     "__version__",
@@ -50,8 +74,12 @@ __all__ = [
     "bottleneck_assignment",
     "credibility_interval",
     "estimation_error_bounds",
+    "gospa",
+    "gospa_from_distances",
+    "gospa_over_time",
     "identity_switches",
     "linear_sum_assignment",
+    "mahalanobis_distances",
     "mean_statistic",
     "monte_carlo_rmse",
     "mot_metrics",
@@ -62,7 +90,10 @@ __all__ = [
     "nis_sequence",
     "ospa",
     "ospa2",
+    "ospa_assignment",
+    "ospa_from_distances",
     "ospa_over_time",
+    "point_distances",
     "position_rmse",
     "rmse",
     "sampled_shapley_shares",

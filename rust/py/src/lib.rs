@@ -25,6 +25,7 @@ mod error;
 mod interrupt;
 mod lists;
 mod point_sets;
+mod results;
 mod settings;
 mod tensor;
 mod tracking;
@@ -44,7 +45,10 @@ mod _native {
             best_split_gains, nees_inflation, sampled_shapley_shares, scale_partitions,
             shapley_shares,
         },
-        point_sets::{ospa, ospa_over_time},
+        point_sets::{
+            gospa, gospa_from_distances, gospa_over_time, mahalanobis_distances, ospa,
+            ospa_assignment, ospa_from_distances, ospa_over_time, point_distances,
+        },
         settings::{set_simd, set_threads, simd, threads},
         tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},
         trajectories::ospa2,
