@@ -17,7 +17,12 @@ from trackmetrics.accuracy import (
     rmse,
     velocity_rmse,
 )
-from trackmetrics.assignment import bottleneck_assignment, linear_sum_assignment
+from trackmetrics.assignment import (
+    auction,
+    bottleneck_assignment,
+    linear_sum_assignment,
+    linear_sum_assignment_batch,
+)
 from trackmetrics.compat import patch_pytcl, unpatch_pytcl
 from trackmetrics.consistency import (
     average_nees,
@@ -30,15 +35,23 @@ from trackmetrics.consistency import (
 )
 from trackmetrics.mospa import calc_mospa_error, mmospa2tar_2d, mmospa_approx
 from trackmetrics.point_sets import ospa, ospa_over_time
-from trackmetrics.results import BottleneckAssignment, ConsistencyResult, MOTMetrics, OSPAResult
+from trackmetrics.results import (
+    AuctionAssignment,
+    BottleneckAssignment,
+    ConsistencyResult,
+    MOTMetrics,
+    OSPAResult,
+)
 from trackmetrics.tracking import identity_switches, mot_metrics, track_fragmentation, track_purity
 
 __all__ = [
+    "AuctionAssignment",
     "BottleneckAssignment",
     "ConsistencyResult",
     "MOTMetrics",
     "OSPAResult",
     "__version__",
+    "auction",
     "average_nees",
     "backend",
     "bottleneck_assignment",
@@ -48,6 +61,7 @@ __all__ = [
     "estimation_error_bounds",
     "identity_switches",
     "linear_sum_assignment",
+    "linear_sum_assignment_batch",
     "mmospa2tar_2d",
     "mmospa_approx",
     "monte_carlo_rmse",

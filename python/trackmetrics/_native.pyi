@@ -7,12 +7,16 @@ from numpy.typing import NDArray
 
 __version__: str
 
+def auction(
+    cost_matrix: NDArray[np.float64], epsilon: float | None, maximize: Any
+) -> tuple[NDArray[np.int64], NDArray[np.int64], float, float]: ...
 def bottleneck_assignment(
     cost_matrix: NDArray[np.float64],
 ) -> tuple[float, NDArray[np.int64], NDArray[np.int64]]: ...
 def linear_sum_assignment(
     cost_matrix: NDArray[np.float64], maximize: Any
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]: ...
+def linear_sum_assignment_batch(costs: Any, maximize: Any) -> Any: ...
 def identity_switches(
     true_labels: NDArray[np.int64],
     estimated_labels: NDArray[np.int64],

@@ -11,7 +11,12 @@ from trackmetrics._numpy.accuracy import (
     rmse,
     velocity_rmse,
 )
-from trackmetrics._numpy.assignment import bottleneck_assignment, linear_sum_assignment
+from trackmetrics._numpy.assignment import (
+    auction,
+    bottleneck_assignment,
+    linear_sum_assignment,
+    linear_sum_assignment_batch,
+)
 from trackmetrics._numpy.consistency import (
     credibility_interval,
     mean_statistic,
@@ -45,12 +50,14 @@ from trackmetrics._version import __version__
 
 __all__ = [
     "__version__",
+    "auction",
     "best_split_gains",
     "bottleneck_assignment",
     "credibility_interval",
     "estimation_error_bounds",
     "identity_switches",
     "linear_sum_assignment",
+    "linear_sum_assignment_batch",
     "mean_statistic",
     "monte_carlo_rmse",
     "mot_metrics",

@@ -1,5 +1,7 @@
 //! Who is matched with whom, at the least total cost or at the smallest largest cost.
 
+pub mod auction;
+pub mod batch;
 pub mod bottleneck;
 mod columns;
 pub mod dense;

@@ -112,6 +112,7 @@ impl Matching {
                 return Err(Error::Infeasible);
             }
             let rank = lowest_rank(simd, lowest, columns, &self.columns);
+            debug_assert!(rank < f64::INFINITY, "a column stands at the lowest distance");
             let j = self.reach(simd, rank, lowest);
             let i = self.row_of_column[j];
             if i == NONE {
