@@ -29,7 +29,6 @@ impl Columns {
     pub fn reset(&mut self, columns: usize) {
         let padded = columns.next_multiple_of(LANES);
         for values in [&mut self.distance, &mut self.via, &mut self.rank] {
-            values.clear();
             values.resize(padded, 0.0);
         }
         self.dual.clear();
@@ -236,7 +235,8 @@ pub(super) fn close<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Co
     let minus_infinity = simd.splat_f64s(f64::NEG_INFINITY);
     let here = simd.equal_f64s(S::as_simd_f64s(&columns.rank).0[chunk], simd.splat_f64s(rank));
     let dual = &mut S::as_mut_simd_f64s(&mut columns.dual).0[chunk];
-    *dual = simd.min_f64s(*dual, simd.select_f64s(here, minus_infinity, infinity));
+    // The second operand is what a NaN, where sums overflow, leaves as it is.
+    *dual = simd.min_f64s(simd.select_f64s(here, minus_infinity, infinity), *dual);
     let distance = &mut S::as_mut_simd_f64s(&mut columns.distance).0[chunk];
     *distance = simd.max_f64s(*distance, simd.select_f64s(here, infinity, minus_infinity));
 }
