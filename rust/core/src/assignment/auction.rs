@@ -18,7 +18,7 @@
 //! Cost: O(n^2 m log(n C / epsilon)) for costs of at most C.
 
 use super::bottleneck;
-use super::columns::{Columns, two_lowest};
+use super::columns::{Columns, lower_dual, two_lowest};
 use super::dense::{Goal, PATIENCE, check_costs, turn};
 use crate::error::{Error, Result};
 use crate::interrupt::Interrupt;
@@ -186,7 +186,8 @@ impl Workspace {
             let (lowest, second, j) = two_lowest(simd, row(problem, i, &self.zeros), &self.columns);
             // A row with one column only can pay any price.
             let dearer = if second < f64::INFINITY { second - lowest } else { problem.largest };
-            self.columns.dual[j] -= dearer + epsilon;
+            let dual = self.columns.dual[j] - (dearer + epsilon);
+            lower_dual(simd, j, dual, &mut self.columns);
             let owner = std::mem::replace(&mut self.row_of_column[j], i);
             if owner != NONE {
                 self.free.push(owner);
