@@ -23,6 +23,9 @@ thread_local! {
 /// of the interpreter.
 const SMALL: usize = 1 << 10;
 
+/// Workspaces for larger matrices are let go after the call.
+const KEPT: usize = 1 << 20;
+
 type Indices<'py> = Bound<'py, PyArray1<i64>>;
 
 fn goal(maximize: &Bound<'_, PyAny>) -> PyResult<Goal> {
@@ -42,7 +45,9 @@ pub(crate) fn linear_sum_assignment<'py>(
         let solved =
             dense::solve_until(cost_matrix.values, rows, columns, goal, interrupt, &mut work)
                 .map(pairs);
-        DENSE.set(work);
+        if cost_matrix.values.len() <= KEPT {
+            DENSE.set(work);
+        }
         solved
     };
     let (i, j) = if cost_matrix.values.len() < SMALL {
@@ -65,7 +70,9 @@ pub(crate) fn bottleneck_assignment<'py>(
         let solved =
             bottleneck::solve_until(cost_matrix.values, rows, columns, interrupt, &mut work)
                 .map(|(value, columns)| (value, pairs(columns)));
-        BOTTLENECK.set(work);
+        if cost_matrix.values.len() <= KEPT {
+            BOTTLENECK.set(work);
+        }
         solved
     })?;
     Ok((value, PyArray1::from_slice(py, &i), PyArray1::from_slice(py, &j)))
@@ -121,7 +128,9 @@ pub(crate) fn auction<'py>(
     let found = detached(py, |interrupt| {
         let mut work = AUCTION.take();
         let found = auctions::solve(values, rows, columns, epsilon, goal, interrupt, &mut work);
-        AUCTION.set(work);
+        if values.len() <= KEPT {
+            AUCTION.set(work);
+        }
         found
     })?;
     let (i, j) = pairs(&found.column_of_row);
