@@ -25,8 +25,10 @@ from trackmetrics.accuracy import (
     velocity_rmse,
 )
 from trackmetrics.assignment import (
+    auction,
     bottleneck_assignment,
     linear_sum_assignment,
+    linear_sum_assignment_batch,
 )
 from trackmetrics.compat import (
     patch_pytcl,
@@ -92,6 +94,7 @@ from trackmetrics.point_sets import (
     ospa_over_time,
 )
 from trackmetrics.results import (
+    AuctionAssignment,
     BottleneckAssignment,
     ConsistencyResult,
     GOSPAResult,
@@ -113,6 +116,7 @@ from trackmetrics.trajectories import (
 )
 
 __all__ = [
+    "AuctionAssignment",
     "BottleneckAssignment",
     "ConsistencyResult",
     "CovarianceScale",
@@ -134,6 +138,7 @@ __all__ = [
     "Whiteness",
     "__version__",
     "anees",
+    "auction",
     "average_nees",
     "average_nis",
     "backend",
@@ -159,6 +164,7 @@ __all__ = [
     "identity_switches",
     "inclination_index",
     "linear_sum_assignment",
+    "linear_sum_assignment_batch",
     "marginal_nees",
     "mmospa2tar_2d",
     "mmospa_approx",

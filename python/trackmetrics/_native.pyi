@@ -9,6 +9,9 @@ from trackmetrics.results import OSPAResult
 
 __version__: str
 
+def auction(
+    cost_matrix: NDArray[np.float64], epsilon: float | None, maximize: Any
+) -> tuple[NDArray[np.int64], NDArray[np.int64], float, float]: ...
 def best_split_gains(
     draws: NDArray[np.float64], dof: NDArray[np.float64], least: int
 ) -> NDArray[np.float64]: ...
@@ -36,6 +39,7 @@ def identity_switches(
 def linear_sum_assignment(
     cost_matrix: NDArray[np.float64], maximize: Any
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]: ...
+def linear_sum_assignment_batch(costs: Any, maximize: Any) -> Any: ...
 def mahalanobis_distances(
     x: Any, y: Any, covariances: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...

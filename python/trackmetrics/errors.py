@@ -99,6 +99,11 @@ def invalid_costs() -> ValueError:
     return ValueError("matrix contains invalid numeric entries")
 
 
+def matrix(index: int, error: Exception) -> Exception:
+    """One of many cost matrices cannot be used."""
+    return type(error)(f"costs[{index}]: {error}")
+
+
 def infeasible() -> ValueError:
     """A cost matrix in which every complete assignment has an infinite cost."""
     return ValueError("cost matrix is infeasible")

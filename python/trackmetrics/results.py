@@ -25,6 +25,25 @@ class OSPAResult(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
+class AuctionAssignment:
+    """A complete matching whose total cost is within a bound of the best one."""
+
+    row_ind: NDArray[np.int64]
+    """The matched rows, rising."""
+    col_ind: NDArray[np.int64]
+    """The column of each of them."""
+    epsilon: float
+    """The last epsilon of the auction, in the unit of the costs."""
+    bound: float
+    """The total cost is at most this far from the best one, in the unit of the costs: at most
+    ``n * epsilon`` and the rounding of a sum, and 0 where the matching is proved optimal."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
 class BottleneckAssignment:
     """A complete matching whose largest cost is as small as it can be."""
 

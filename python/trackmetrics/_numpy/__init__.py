@@ -12,8 +12,10 @@ from trackmetrics._numpy.accuracy import (
     velocity_rmse,
 )
 from trackmetrics._numpy.assignment import (
+    auction,
     bottleneck_assignment,
     linear_sum_assignment,
+    linear_sum_assignment_batch,
 )
 from trackmetrics._numpy.consistency import (
     credibility_interval,
@@ -70,6 +72,7 @@ from trackmetrics._version import (
 
 __all__ = [
     "__version__",
+    "auction",
     "best_split_gains",
     "bottleneck_assignment",
     "credibility_interval",
@@ -79,6 +82,7 @@ __all__ = [
     "gospa_over_time",
     "identity_switches",
     "linear_sum_assignment",
+    "linear_sum_assignment_batch",
     "mahalanobis_distances",
     "mean_statistic",
     "monte_carlo_rmse",

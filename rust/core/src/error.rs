@@ -135,6 +135,13 @@ pub enum Error {
     InvalidCosts,
     /// A cost matrix in which every complete assignment has an infinite cost.
     Infeasible,
+    /// One of many cost matrices cannot be used.
+    Matrix {
+        /// Which.
+        index: usize,
+        /// What is wrong with it.
+        error: Box<Error>,
+    },
     /// Whoever called the kernel asked it to stop.
     Interrupted,
 }
@@ -184,6 +191,7 @@ impl fmt::Display for Error {
             Self::Steps { argument, index } => write!(f, "{argument}[{index}]: steps must rise"),
             Self::InvalidCosts => write!(f, "matrix contains invalid numeric entries"),
             Self::Infeasible => write!(f, "cost matrix is infeasible"),
+            Self::Matrix { index, error } => write!(f, "costs[{index}]: {error}"),
             Self::Interrupted => write!(f, "interrupted"),
         }
     }

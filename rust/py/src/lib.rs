@@ -37,7 +37,9 @@ mod _native {
     #[pymodule_export]
     use crate::{
         accuracy::{estimation_error_bounds, monte_carlo_rmse, position_rmse, rmse, velocity_rmse},
-        assignment::{bottleneck_assignment, linear_sum_assignment},
+        assignment::{
+            auction, bottleneck_assignment, linear_sum_assignment, linear_sum_assignment_batch,
+        },
         consistency::{
             credibility_interval, mean_statistic, nees, nees_sequence, nis, nis_sequence,
         },
