@@ -107,7 +107,7 @@ def comparison_scene(subjects: Sequence[Subject], drawn: Sequence[Subject] | Non
     frame = Frame()
     with_nees = any(subject.track.nees is not None for subject in subjects)
     quantities = ("nis", "nees") if with_nees else ("nis",)
-    places = frame.rows(26.0, [230.0] * len(quantities), 40.0)
+    places = frame.rows(52.0, [230.0] * len(quantities), 40.0)
     panels = [
         _comparison_panel(subjects, subjects if drawn is None else drawn, quantity, place)
         for quantity, place in zip(quantities, places, strict=True)
