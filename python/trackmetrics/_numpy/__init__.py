@@ -27,6 +27,7 @@ from trackmetrics._numpy.diagnostics import (
     scale_partitions,
     shapley_shares,
 )
+from trackmetrics._numpy.monte_carlo import consistency_sums, histograms, run_sums
 from trackmetrics._numpy.point_sets import ospa, ospa_over_time
 from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
 from trackmetrics._numpy.tracking import (
@@ -47,8 +48,10 @@ __all__ = [
     "__version__",
     "best_split_gains",
     "bottleneck_assignment",
+    "consistency_sums",
     "credibility_interval",
     "estimation_error_bounds",
+    "histograms",
     "identity_switches",
     "linear_sum_assignment",
     "mean_statistic",
@@ -63,6 +66,7 @@ __all__ = [
     "ospa_over_time",
     "position_rmse",
     "rmse",
+    "run_sums",
     "sampled_shapley_shares",
     "scale_partitions",
     "set_simd",

@@ -24,6 +24,7 @@ mod diagnostics;
 mod error;
 mod interrupt;
 mod lists;
+mod monte_carlo;
 mod point_sets;
 mod settings;
 mod tensor;
@@ -43,6 +44,7 @@ mod _native {
             best_split_gains, nees_inflation, sampled_shapley_shares, scale_partitions,
             shapley_shares,
         },
+        monte_carlo::{consistency_sums, histograms, run_sums},
         point_sets::{ospa, ospa_over_time},
         settings::{set_simd, set_threads, simd, threads},
         tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},

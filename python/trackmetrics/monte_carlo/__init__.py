@@ -1,0 +1,18 @@
+"""Monte Carlo sweeps: many runs over a grid of settings, and accumulators that can be merged.
+
+However the runs are cut, in whatever order they come, on however many machines: the same seed gives
+the same bits.
+"""
+
+from trackmetrics.monte_carlo.accumulator import Accumulator
+from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.statistics import ConsistencyResult, FormStatistics
+
+__all__ = [
+    "Accumulator",
+    "ConsistencyAccumulator",
+    "ConsistencyResult",
+    "FormStatistics",
+    "ScoreAccumulator",
+]
