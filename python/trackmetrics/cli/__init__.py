@@ -15,6 +15,7 @@ from trackmetrics._version import __version__
 COMMANDS: dict[str, str] = {
     "demo": "simulate a small scene, track it and score the tracker",
     "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
+    "sweep": "run a simulation many times over a grid of settings, and judge its filter",
 }
 """Each command and what it does."""
 

@@ -1,5 +1,6 @@
 """What all accumulators share: runs go in, in any order and batches; the same bits come out."""
 
+from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -11,7 +12,7 @@ from trackmetrics.monte_carlo.tree import Floats, RunTree, canonical, first_over
 Counts = NDArray[np.int64]
 
 
-class Accumulator:
+class Accumulator(ABC):
     """Sums over runs on the tree of run numbers, and counts, which add up the same in any order.
 
     Memory is O(numbers of one run x log runs). A subclass sets ``kind``, keeps what it was made
@@ -110,6 +111,10 @@ class Accumulator:
             if name.startswith(prefix)
         }
         return made
+
+    @abstractmethod
+    def result(self) -> Any:
+        """What the runs so far say."""
 
     @classmethod
     def _from_settings(cls, settings: dict[str, Any]) -> Self:

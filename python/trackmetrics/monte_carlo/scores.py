@@ -58,7 +58,7 @@ class ScoreAccumulator(Accumulator):
         self._require_new(first_run, runs)
         self._take_shape({"names": names})
         given = ~np.isnan(values)
-        columns = np.concatenate([np.where(given, values, 0.0), given], axis=1)
+        columns = np.ascontiguousarray(np.hstack([np.where(given, values, 0.0), given]))
         for start, stop in self._blocks(first_run, first_run + runs):
             rows = _backend.kernels.run_sums(columns[start - first_run : stop - first_run], start)
             self._absorb(start, stop - start, rows, {})
@@ -77,6 +77,10 @@ class ScoreAccumulator(Accumulator):
     def names(self) -> list[str]:
         """The scores."""
         return list(self.shape["names"]) if self.shape else []
+
+    def result(self) -> dict[str, float]:
+        """As :meth:`means`."""
+        return self.means()
 
     def means(self) -> dict[str, float]:
         """The mean of each score over the runs that have it; NaN where none has."""
