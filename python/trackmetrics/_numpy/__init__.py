@@ -36,6 +36,11 @@ from trackmetrics._numpy.distances import (
     mahalanobis_distances,
     point_distances,
 )
+from trackmetrics._numpy.monte_carlo import (
+    consistency_sums,
+    histograms,
+    run_sums,
+)
 from trackmetrics._numpy.point_sets import (
     gospa,
     gospa_from_distances,
@@ -75,11 +80,13 @@ __all__ = [
     "auction",
     "best_split_gains",
     "bottleneck_assignment",
+    "consistency_sums",
     "credibility_interval",
     "estimation_error_bounds",
     "gospa",
     "gospa_from_distances",
     "gospa_over_time",
+    "histograms",
     "identity_switches",
     "linear_sum_assignment",
     "linear_sum_assignment_batch",
@@ -100,6 +107,7 @@ __all__ = [
     "point_distances",
     "position_rmse",
     "rmse",
+    "run_sums",
     "sampled_shapley_shares",
     "scale_partitions",
     "set_simd",

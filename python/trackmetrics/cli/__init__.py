@@ -16,6 +16,7 @@ COMMANDS: dict[str, str] = {
     "demo": "simulate a small scene, track it and score the tracker",
     "diagnose": "say of each track of an estimator's log whether its filter is honest",
     "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
+    "sweep": "run a simulation many times over a grid of settings, and judge its filter",
 }
 """Each command and what it does."""
 

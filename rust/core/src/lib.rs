@@ -14,6 +14,7 @@
 //! | [`vessel`] | the five-state estimator of vessels from AIS and positions |
 //! | [`consistency`] | quadratic forms of many small covariances |
 //! | [`diagnostics`] | where a scale changes, and which state an error sits in |
+//! | [`monte_carlo`] | sums over many runs that do not depend on how they were cut |
 //!
 //! Nothing in this crate knows Python, draws random numbers, or panics on bad input: what can be
 //! wrong with an argument is an [`Error`].
@@ -28,6 +29,7 @@ pub mod diagnostics;
 pub mod error;
 pub mod interrupt;
 pub mod lanes;
+pub mod monte_carlo;
 pub mod point_sets;
 pub mod points;
 pub mod simd;

@@ -24,6 +24,7 @@ mod diagnostics;
 mod error;
 mod interrupt;
 mod lists;
+mod monte_carlo;
 mod point_sets;
 mod results;
 mod settings;
@@ -47,6 +48,7 @@ mod _native {
             best_split_gains, nees_inflation, sampled_shapley_shares, scale_partitions,
             shapley_shares,
         },
+        monte_carlo::{consistency_sums, histograms, run_sums},
         point_sets::{
             gospa, gospa_from_distances, gospa_over_time, mahalanobis_distances, ospa,
             ospa_assignment, ospa_from_distances, ospa_over_time, point_distances,
