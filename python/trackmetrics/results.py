@@ -104,7 +104,12 @@ class OSPA2Result:
     cardinality: NDArray[np.float64]
     """The part owed to the difference in the number of tracks."""
 
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
 
+
+@dataclass(frozen=True, eq=False)
 class GOSPAResult:
     """GOSPA distance of two sets of points, its parts, and the pairs behind it; 0 is best.
 
@@ -155,7 +160,12 @@ class TrajectoryGOSPAResult:
         names = ("localization", "missed", "false", "switching")
         return {name: float(getattr(self, name).sum()) for name in names}
 
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
 
+
+@dataclass(frozen=True, eq=False)
 class GOSPASequence:
     """GOSPA at every time step of two sequences; each field has shape (T,)."""
 
