@@ -14,6 +14,7 @@ from trackmetrics.diagnostics.judging import (
     Quantity,
     judge_errors,
     judge_innovations,
+    reconciled,
 )
 from trackmetrics.diagnostics.live import first_alarm
 from trackmetrics.diagnostics.log import EstimatorLog
@@ -65,6 +66,7 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
     errors: tuple[StateOffset, ...] = ()
     if nees is not None:
         nees, errors = judge_errors(nees, columns, level)
+        nis, nees = reconciled(nis, nees)
     verdict = combined(nis.word.verdict, None if nees is None else nees.word.verdict)
     biases = _innovation_biases(evidence, found.offsets) + _state_biases(evidence.log, errors)
     attribution = None if nees is None else _attribution(nees, columns)
@@ -72,7 +74,7 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
     record = _record(evidence, nis, nees, verdict)
     record = replace(
         record,
-        cause=found.cause if verdict in (nis.word.verdict, "optimistic", "pessimistic") else None,
+        cause=found.cause if verdict in SCALED else None,
         weakest_state=_weakest(verdict, nees, states, biases),
         states=states,
         biases=biases,

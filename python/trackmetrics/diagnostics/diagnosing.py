@@ -20,7 +20,7 @@ from trackmetrics.diagnostics.series import (
     scores_within,
 )
 
-LEVEL = 0.005
+LEVEL = 0.004
 """Chance of a false alarm of each family of tests."""
 
 
