@@ -222,6 +222,22 @@ def one_range() -> Plant:
     )
 
 
+def depth() -> Plant:
+    """Up and down, constant velocity; a pressure gauge of 3 m and a sonar of 4.5 m every 2 s."""
+    F, Q = _chain(2, 2.0, 2.0)
+    H = np.array([[1.0, 0.0]])
+    return Plant(
+        "depth",
+        F,
+        Q,
+        [Sensor("gauge", H, np.array([[9.0]])), Sensor("sonar", H, np.array([[20.25]]))],
+        np.diag([9.0, 16.0]),
+        np.array([2.0, 2.0]),
+        np.array([0.0, 7.0]),
+        ("d", "vd"),
+    )
+
+
 def in_space() -> Plant:
     """In space, constant velocity; a radar of three coordinates and a camera of two take turns."""
     F, Q = _chain(2, 2.0, 1.0)
@@ -244,5 +260,6 @@ def in_space() -> Plant:
 PLANTS: dict[str, Callable[[], Any]] = {
     "two sensors": two_sensors,
     "one range": one_range,
+    "depth": depth,
     "in space": in_space,
 }

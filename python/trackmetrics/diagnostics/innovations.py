@@ -61,6 +61,12 @@ class Correlation:
     late_z: float
     """The same in standard deviations, of the second half alone."""
 
+    @property
+    def memory(self) -> float:
+        """By how much it widens the variance of a mean, were it to fade geometrically."""
+        lag1 = min(max(self.lag1, 0.0), 0.9)
+        return (1 + lag1) / (1 - lag1)
+
     def sign(self, level: float) -> int:
         """Its sign where it is significant, else 0."""
         return int(np.sign(self.z)) if self.p_value < level else 0
@@ -71,12 +77,12 @@ class Correlation:
         return sign if sign * self.late_z > LASTING else 0
 
 
-def offsets(innovations: Innovations) -> list[Offset]:
+def offsets(innovations: Innovations, memory: float = 1.0) -> list[Offset]:
     """The mean of every component of every measurement type that has 8 updates, Holm-corrected.
 
     By generalised least squares with the claimed covariances; the variance is widened where the
     residuals are wider than claimed or correlated in time (Newey and West 1987,
-    doi:10.2307/1913610).
+    doi:10.2307/1913610), and by at least the factor ``memory``.
     """
     found = []
     widths = lengths(innovations.values)
@@ -85,7 +91,7 @@ def offsets(innovations: Innovations) -> list[Offset]:
         if len(rows) >= LEAST_UPDATES and len(set(widths[rows])) == 1:
             m = int(widths[rows[0]])
             s = innovations.covariances[rows, :m, :m]
-            found += _offsets_of(str(kind), innovations.values[rows, :m], s)
+            found += _offsets_of(str(kind), innovations.values[rows, :m], s, memory)
     if not found:
         return []
     corrected = chisquare.holm(np.array([o.p_value for o in found]))
@@ -95,13 +101,13 @@ def offsets(innovations: Innovations) -> list[Offset]:
     ]
 
 
-def _offsets_of(kind: str, values: Floats, covariances: Floats) -> list[Offset]:
+def _offsets_of(kind: str, values: Floats, covariances: Floats, memory: float) -> list[Offset]:
     weights = np.linalg.inv(covariances)
     variance = np.linalg.inv(weights.sum(axis=0))
     means = variance @ np.einsum("kij,kj->i", weights, values)
     residuals = (values - means) / np.sqrt(covariances.diagonal(axis1=1, axis2=2))
     spread = _excess_spread(residuals)
-    z = means / np.sqrt(variance.diagonal() * spread * _memory(residuals))
+    z = means / np.sqrt(variance.diagonal() * spread * np.maximum(memory, _memory(residuals)))
     # A variance that is claimed needs no Student; one that is estimated does.
     p = np.where(
         spread > 1,

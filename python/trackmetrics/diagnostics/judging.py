@@ -18,6 +18,10 @@ EXPLAINED = 0.5
 """Share of the excess that a bias must take away to be the verdict."""
 CERTAIN = 1e-4
 """Chance below which the NEES before a fault was too large already."""
+FAR = 2.0
+"""Scale of the NEES above which it should show a bias that is real."""
+WELL_BEFORE = 2 / 3
+"""Share of the updates before a fault that stand for what was before it."""
 LEANING = 0.05
 """Chance below which the size of correlated innovations decides what to call them."""
 
@@ -74,8 +78,10 @@ def judge_innovations(
     kinds = np.full(len(rows), "", object) if types is None else types[rows].astype(str)
     found = Innovations(values[rows], columns.S[rows], kinds.astype(object))
     biases = [o for o in nu.offsets(found) if o.p_value < level]
+    white = nu.correlation(nu.without(found, biases))
+    if biases and white.sign(level) > 0:
+        biases = [o for o in nu.offsets(found, white.memory) if o.p_value < level]
     clean = nu.without(found, biases)
-    white = nu.correlation(clean)
     sign = white.sign(level)
     verdict = nis.word.verdict
     if biases:
@@ -173,17 +179,22 @@ def transitions(columns: Columns, rows: Integers) -> Floats:
     return np.where(known[:, None, None], np.nan_to_num(columns.A[rows]), 0.0)
 
 
-def reconciled(nis: Quantity, nees: Quantity) -> tuple[Quantity, Quantity]:
+def reconciled(
+    nis: Quantity, nees: Quantity, state_biases: tuple[StateOffset, ...]
+) -> tuple[Quantity, Quantity]:
     """NIS and NEES, each in the light of the other.
 
     What only an end of one of them shows gives way to a bias that the other shows: a filter absorbs
-    a bias as it starts. And a NIS that diverges late is optimistic where the NEES was so from the
-    start.
+    a bias as it starts. A mean innovation is no bias where the errors are far too large and have no
+    mean. And a NIS that diverges late is optimistic where the NEES was so from the start.
     """
     if nees.word.verdict == "biased" and _only_an_end(nis.word):
         nis = replace(nis, word=Word("consistent"))
     if nis.word.verdict == "biased" and _only_an_end(nees.word):
         nees = replace(nees, word=Word("consistent"))
+    unexplained = nees.word.verdict == "optimistic" and not state_biases
+    if nis.word.verdict == "biased" and unexplained and _scale(nees) > FAR:
+        nis = replace(nis, word=Word("optimistic"))
     onset = nis.word.onset
     late = (nis.word.verdict, nees.word.verdict) == ("late_divergence", "optimistic")
     if late and onset is not None and dishonest_before(nees, int(nis.rows[onset])):
@@ -191,9 +202,15 @@ def reconciled(nis: Quantity, nees: Quantity) -> tuple[Quantity, Quantity]:
     return nis, nees
 
 
+def _scale(quantity: Quantity) -> float:
+    values, dof = quantity.trace.kept_values()
+    return float(values.sum() / dof.sum())
+
+
 def dishonest_before(nees: Quantity, onset: int) -> bool:
     """Whether the NEES was too large already before this update: then nothing began there."""
-    before = nees.rows[nees.trace.kept] < onset
+    # The NEES may rise a little before the NIS does.
+    before = nees.rows[nees.trace.kept] < onset * WELL_BEFORE
     values, dof = (column[before] for column in nees.trace.kept_values())
     total, m = float(values.sum()), float(dof.sum())
     return total > MATERIAL * m and bool(chisquare.upper_tail(total, m) < CERTAIN)

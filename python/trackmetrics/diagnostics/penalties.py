@@ -43,15 +43,18 @@ def deserved(gains: Floats, dof: Floats, least: int, level: float, factor: float
 
     The penalty of the very pattern is drawn only where bounds that cost less cannot decide.
     """
-    steps = np.arange(len(gains))
+    listed = gains.tolist()
+    for bounds in (_bounds(level), None):
+        low, high = bounds or _near(dof, least, level)
+        few = _count(listed, high * factor)
+        if few == _count(listed, low * factor):
+            return few
+    return _count(listed, penalty(dof, least, level) * factor)
 
-    def count(price: float) -> int:
-        return int(np.argmax(gains - steps * price * factor))
 
-    for low, high in (_bounds(level), _near(dof, least, level)):
-        if count(low) == count(high):
-            return count(low)
-    return count(penalty(dof, least, level))
+def _count(gains: list[float], price: float) -> int:
+    """The number of cuts with the largest gain after their price; the least of equals."""
+    return max(range(len(gains)), key=lambda s: (gains[s] - s * price, -s))
 
 
 @lru_cache(maxsize=64)
@@ -78,5 +81,10 @@ def _near(dof: Floats, least: int, level: float) -> tuple[float, float]:
     # Steps of a fifth: the penalty grows with the logarithm of the logarithm of the length.
     length = round(1.2 ** round(np.log(len(dof)) / np.log(1.2)))
     mean = float(np.round(dof.mean() * 2) / 2)
-    even = penalty(np.full(max(length, 2 * least), max(mean, 0.5)), least, level)
+    even = _even(max(length, 2 * least), max(mean, 0.5), least, level)
     return even / WITHIN, even * WITHIN
+
+
+@lru_cache(maxsize=4096)
+def _even(length: int, mean: float, least: int, level: float) -> float:
+    return penalty(np.full(length, mean), least, level)
