@@ -11,7 +11,11 @@ from scipy import stats
 
 import trackmetrics
 from trackmetrics import _native, _numpy
-from trackmetrics.monte_carlo import ConsistencyAccumulator, ScoreAccumulator
+from trackmetrics.monte_carlo import (
+    ConsistencyAccumulator,
+    LabelAccumulator,
+    ScoreAccumulator,
+)
 from trackmetrics.monte_carlo.histogram import edges
 from trackmetrics.monte_carlo.packing import MAGIC
 from trackmetrics.monte_carlo.statistics import _honest, clopper_pearson
@@ -342,6 +346,40 @@ def test_scores_keep_blocks_however_they_come(level, runs, cuts, random):
     fine.update({"x": values}, 0)
     fine.coarsen(level)
     assert fine.to_bytes() == whole.to_bytes()
+
+
+@given(st.sets(st.integers(1, 29)), st.randoms())
+def test_label_counts_add_up_however_they_come(cuts, random):
+    rng = np.random.default_rng(1)
+    counts = {name: rng.integers(0, 50, 30) for name in ("misses", "false_positives", "switches")}
+    counts["truth"] = rng.integers(50, 100, 30)
+    whole = LabelAccumulator()
+    whole.update(counts, 4)
+    pieces = list(pairwise(sorted({0, 30, *cuts})))
+    random.shuffle(pieces)
+    labels = LabelAccumulator()
+    for a, b in pieces:
+        labels.update({name: values[a:b] for name, values in counts.items()}, 4 + a)
+    assert labels.to_bytes() == whole.to_bytes()
+    again = LabelAccumulator.from_bytes(labels.to_bytes()).result()
+    wrong = sum(counts[name].sum() for name in ("misses", "false_positives", "switches"))
+    assert again.mota == pytest.approx(1 - wrong / counts["truth"].sum())
+    assert again.runs == 30
+
+
+def test_wrong_counts_are_named():
+    labels = LabelAccumulator()
+    with pytest.raises(ValueError, match=r"misses\[1\] must be a whole number, at least 0, got -1"):
+        labels.update({"misses": [3, -1]}, 0)
+    with pytest.raises(ValueError, match="truth has 1 runs, misses has 2"):
+        labels.update({"misses": [3, 1], "truth": [1]}, 0)
+    with pytest.raises(ValueError, match="batch has no counts"):
+        labels.update({}, 0)
+    labels.update({"misses": [3, 1]}, 0)
+    with pytest.raises(ValueError, match="other shapes: names is"):
+        labels.update({"hits": [3]}, 2)
+    with pytest.raises(ValueError, match="no count 'truth', there are misses"):
+        _ = labels.result().ratio("misses", "truth")
 
 
 def test_nodes_stay_few():

@@ -7,9 +7,10 @@ the same bits.
 from trackmetrics.monte_carlo.accumulator import Accumulator
 from trackmetrics.monte_carlo.choice import Best
 from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.labels import LabelAccumulator, LabelSummary
 from trackmetrics.monte_carlo.results import SweepResult
 from trackmetrics.monte_carlo.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.statistics import ConsistencyResult, FormStatistics
+from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
 from trackmetrics.monte_carlo.sweep import SweepInterrupted, sweep
 from trackmetrics.monte_carlo.tally import Failure
 
@@ -17,9 +18,11 @@ __all__ = [
     "Accumulator",
     "Best",
     "ConsistencyAccumulator",
-    "ConsistencyResult",
+    "ConsistencySummary",
     "Failure",
     "FormStatistics",
+    "LabelAccumulator",
+    "LabelSummary",
     "ScoreAccumulator",
     "SweepInterrupted",
     "SweepResult",

@@ -46,8 +46,7 @@ class Accumulator(ABC):
     def skip(self, first_run: int, runs: int = 1) -> None:
         """Says that these runs give nothing: they count as done, and add nothing."""
         self._require_new(first_run, runs)
-        for start, level in canonical(first_run, first_run + runs, self._tree.top):
-            self._tree.add(start, level, None)
+        self._cover(first_run, runs)
         self._skipped += runs
 
     def merge(self, other: Self) -> None:
@@ -139,6 +138,11 @@ class Accumulator(ABC):
         made.shape, made._counts, made._skipped = self.shape, self._counts, self._skipped
         made._tree.add(run, 0, nodes[0][2])
         return made
+
+    def _cover(self, first_run: int, runs: int) -> None:
+        """Says that these runs are in, without sums."""
+        for start, level in canonical(first_run, first_run + runs, self._tree.top):
+            self._tree.add(start, level, None)
 
     def _absorb(self, first_run: int, runs: int, rows: Floats, counts: dict[str, Counts]) -> None:
         """Takes in the rows of the canonical nodes of a batch of runs."""

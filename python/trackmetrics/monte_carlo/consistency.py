@@ -7,7 +7,7 @@ import numpy as np
 
 from trackmetrics import _backend, _check, errors
 from trackmetrics.monte_carlo.accumulator import Accumulator, Counts
-from trackmetrics.monte_carlo.statistics import ConsistencyResult, FormStatistics
+from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
 from trackmetrics.monte_carlo.tree import Floats
 
 LEVELS = (0.5, 0.9, 0.95, 0.99)
@@ -144,7 +144,7 @@ class ConsistencyAccumulator(Accumulator):
         )
         return found
 
-    def result(self, confidence: float = 0.95) -> ConsistencyResult:
+    def result(self, confidence: float = 0.95) -> ConsistencySummary:
         """The statistics of the runs so far, with intervals of this confidence."""
         total = self._total()
         found: dict[str, FormStatistics] = {}
@@ -156,7 +156,7 @@ class ConsistencyAccumulator(Accumulator):
             levels = tuple(self.settings["levels"])
             found[name] = FormStatistics.of(row, d, under, histogram, levels, confidence)
             start += width
-        return ConsistencyResult(self.runs, found.get("states"), found.get("innovations"))
+        return ConsistencySummary(self.runs, found.get("states"), found.get("innovations"))
 
 
 def chi_square_quantiles(levels: Any, dimension: Any) -> Floats:

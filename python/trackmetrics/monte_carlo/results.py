@@ -11,7 +11,7 @@ import numpy as np
 from trackmetrics.monte_carlo.choice import Best, choose
 from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.statistics import ConsistencyResult, FormStatistics
+from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
 from trackmetrics.monte_carlo.tally import Failure, Tally
 from trackmetrics.monte_carlo.tree import Floats
 
@@ -51,14 +51,14 @@ class SweepResult:
         ]
 
     @cached_property
-    def consistency(self) -> list[ConsistencyResult]:
+    def consistency(self) -> list[ConsistencySummary]:
         """The statistics of errors and innovations of each setting."""
         cells = [tally.cells.get("consistency") for tally in self.tallies]
         if not any(isinstance(cell, ConsistencyAccumulator) for cell in cells):
             raise ValueError("no run gave truth, estimates and covariances, or innovations")
         return [
             cell.result() if isinstance(cell, ConsistencyAccumulator) else
-            ConsistencyResult(0, None, None)
+            ConsistencySummary(0, None, None)
             for cell in cells
         ]  # fmt: skip
 

@@ -125,7 +125,7 @@ class FormStatistics:
 
 
 @dataclass(frozen=True, repr=False)
-class ConsistencyResult:
+class ConsistencySummary:
     """What many runs say of a filter, step by step."""
 
     runs: int
@@ -174,7 +174,7 @@ class ConsistencyResult:
             parts.append(f"anees={np.mean(self.anees):.4g}")
         if self.innovations:
             parts.append(f"anis={np.nanmean(self.anis):.4g}")
-        return f"ConsistencyResult({', '.join(parts)})"
+        return f"ConsistencySummary({', '.join(parts)})"
 
     def to_dict(self) -> dict[str, Any]:
         """The fields, arrays as lists."""
