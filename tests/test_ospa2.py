@@ -123,6 +123,28 @@ def test_many_windows_are_cut_into_pieces_that_agree():
     np.testing.assert_allclose(some.ospa2, one.ospa2[[123, 399]], rtol=1e-12)
 
 
+def test_axioms():
+    """Identity, symmetry and the triangle inequality, in every window."""
+    rng = np.random.default_rng(3)
+    for _ in range(150):
+        d, times = rng.integers(1, 3), np.arange(5.0)
+        x, y, z = (as_pairs(random_side(rng, d, times, 1.0)) for _ in range(3))
+        options = {
+            "c": rng.choice([0.5, 2.0]),
+            "p": rng.choice([1.0, 2.0]),
+            "q": rng.choice([1.0, 2.0]),
+            "window": rng.choice([1.0, 3.0]),
+            "base": str(rng.choice(["euclidean", "p-norm"])),
+            "times": times,
+        }
+        xy, yx, yz, xz, xx = (
+            ospa2(*sides, **options).ospa2 for sides in [(x, y), (y, x), (y, z), (x, z), (x, x)]
+        )
+        assert not xx.any()
+        np.testing.assert_allclose(xy, yx, rtol=1e-12)
+        assert (xz <= xy + yz + 1e-12).all()
+
+
 POINT = [([0.0], [[0.0, 0.0]])]
 
 
