@@ -141,6 +141,22 @@ def test_scale_and_small_distances():
         assert result.distance == pytest.approx(math.sqrt(5) * 1e-9 * scale, rel=1e-6)
 
 
+def test_a_switch_that_is_too_dear_is_never_made():
+    times = np.arange(4.0)
+    truth = [(times, times)]
+    tracks = [(times[:3], times[:3]), (times[2:], times[2:])]
+    for gamma in (1e3, 1e300):
+        result = trajectory_gospa(truth, tracks, 1e-3, 3, gamma)
+        assert result.totals()["switching"] == 0.0
+        assert result.totals()["missed"] == pytest.approx(0.5e-9)
+    one, many = (
+        [(times, rng.normal(size=4)) for _ in range(3)]
+        for rng in map(np.random.default_rng, (1, 2))
+    )
+    dear, dearer = (trajectory_gospa(one, many, 1.0, 2, gamma).distance for gamma in (1e2, 1e200))
+    assert dear == pytest.approx(dearer, rel=1e-7)
+
+
 def test_nothing():
     result = trajectory_gospa([], [], 1, 1, 1)
     assert (result.distance, result.times.size, result.switching.size) == (0.0, 0, 0)
@@ -165,6 +181,7 @@ POINT = [([0.0], [[0.0, 0.0]])]
     ("arguments", "text"),
     [
         ({"c": math.inf}, "c must be positive and finite, got inf"),
+        ({"c": 1e200, "p": 2}, "c must be such that its p-th power is finite, got 1e+200"),
         ({"gamma": 0}, "gamma must be positive and finite, got 0.0"),
         ({"p": 0.5}, "p must be finite and at least 1, got 0.5"),
         ({"base": "taxi"}, "base must be 'euclidean' or 'p-norm', got 'taxi'"),

@@ -54,6 +54,14 @@ class Cluster:
         """What holding a pair at a step saves, shape (P, L)."""
         return 1 - self.powers
 
+    def price(self, ratio: float, p: float) -> float:
+        """What a change of 1 costs, for a ``ratio`` of gamma to c.
+
+        A change that costs more than all there is to gain is never made, however dear it is.
+        """
+        most = 1 + float(self.gains.sum())
+        return most if p * math.log(ratio) > math.log(2 * most) else ratio**p / 2
+
 
 def meetings(
     x: Trajectories, y: Trajectories, times: Floats, c: float, norm: float, p: float

@@ -184,8 +184,8 @@ def trajectory_gospa(
     norm = 2.0 if base == "euclidean" else p
     found = meetings(x, y, times, c, norm, p)
     parts = Parts.of_nobody(x, y, times)
-    price = (gamma / c) ** p / 2
     for cluster in clusters(found, x.count, y.count):
+        price = cluster.price(gamma / c, p)
         parts.follow(cluster, weights(cluster, price), price)
     return TrajectoryGOSPAResult(c * parts.total() ** (1 / p), times, *parts.scaled(c**p))
 
@@ -196,6 +196,8 @@ def _check_parameters(c: float, gamma: float, p: float, base: str) -> None:
             raise errors.parameter(name, "positive and finite", value)
     if not 1 <= p < math.inf:
         raise errors.parameter("p", "finite and at least 1", p)
+    if p * math.log10(c) > 300:
+        raise errors.parameter("c", "such that its p-th power is finite", c)
     if base not in ("euclidean", "p-norm"):
         raise ValueError(f"base must be 'euclidean' or 'p-norm', got {base!r}")
 
