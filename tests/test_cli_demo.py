@@ -7,7 +7,19 @@ import pytest
 import trackmetrics
 from trackmetrics.cli import main
 
-SMALL = ["demo", "--runs", "3", "--targets", "4", "--scans", "30", "--seed", "5"]
+SMALL = [
+    "demo",
+    "--scene",
+    "targets",
+    "--runs",
+    "3",
+    "--targets",
+    "4",
+    "--scans",
+    "30",
+    "--seed",
+    "5",
+]
 
 
 def table(capsys):
@@ -28,7 +40,7 @@ def test_both_backends_print_the_same_scores(capsys):
 
 
 def test_the_filter_of_the_demo_is_honest(capsys):
-    main(["demo", "--runs", "6", "--scans", "60"])
+    main(["demo", "--scene", "targets", "--runs", "6", "--scans", "60"])
     values = {line[:18].strip(): line[18:].split() for line in table(capsys)}
     assert float(values["mean NIS"][0]) == pytest.approx(2.0, abs=0.15)
     assert float(values["mean NEES"][0]) == pytest.approx(4.0, abs=0.5)
@@ -37,5 +49,5 @@ def test_the_filter_of_the_demo_is_honest(capsys):
 
 @pytest.mark.parametrize("name", ["runs", "targets", "scans"])
 def test_nothing_to_simulate_is_said(capsys, name):
-    assert main(["demo", f"--{name}", "0"]) == 2
+    assert main(["demo", "--scene", "targets", f"--{name}", "0"]) == 2
     assert f"--{name} must be at least 1, got 0" in capsys.readouterr().err

@@ -1,6 +1,8 @@
-"""A seeded Monte Carlo run of a small scene, scored with the documented functions.
+"""The demo, in two scenes.
 
-Every line of the table says what was computed, what is good, and how long it took.
+``ships``: three ships, tracked by the vessel estimator, diagnosed, on one page. ``targets``: a
+seeded Monte Carlo run of a small scene, scored with the documented functions; every line of the
+table says what was computed, what is good, and how long it took.
 """
 
 import argparse
@@ -19,13 +21,29 @@ CUTOFF = 50.0  # metres: the price of a missed target, and the gate of a match
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What the user may choose."""
-    parser.add_argument("--runs", type=int, default=20, help="Monte Carlo runs (20)")
-    parser.add_argument("--targets", type=int, default=10, help="targets in each run (10)")
-    parser.add_argument("--scans", type=int, default=100, help="scans of each run, 1 s apart (100)")
+    parser.add_argument("--scene", choices=["ships", "targets"], default="ships")
+    ships = parser.add_argument_group("ships")
+    ships.add_argument("--noise", choices=["honest", "article"], default="honest")
+    ships.add_argument("--html", default="demo.html", help="the page (demo.html); '' for none")
+    targets = parser.add_argument_group("targets")
+    targets.add_argument("--runs", type=int, default=20, help="Monte Carlo runs (20)")
+    targets.add_argument("--targets", type=int, default=10, help="targets in each run (10)")
+    targets.add_argument(
+        "--scans", type=int, default=100, help="scans of each run, 1 s apart (100)"
+    )
     parser.add_argument("--seed", type=int, default=1, help="seed of the random numbers (1)")
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Run the scene that was asked for."""
+    if arguments.scene == "ships":
+        from trackmetrics.cli import _ships
+
+        return _ships.run(arguments)
+    return run_targets(arguments)
+
+
+def run_targets(arguments: argparse.Namespace) -> int:
     """Simulate, track, score, and print the table."""
     for name in ("runs", "targets", "scans"):
         if getattr(arguments, name) < 1:

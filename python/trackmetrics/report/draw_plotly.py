@@ -87,8 +87,8 @@ class _Target:
         self.layout["shapes"].append({"layer": "below", **content})
 
     def height(self, y: float) -> float:
-        """A value of the y axis as annotations want it."""
-        return float(np.log10(y)) if self.panel.log else y
+        """A value of the y axis as annotations want it; a zero lies below every logarithmic one."""
+        return float(np.log10(max(y, 1e-12))) if self.panel.log else y
 
 
 def numbers(values: Floats, log: bool = False) -> list[float | None]:
