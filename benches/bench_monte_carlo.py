@@ -4,9 +4,9 @@ cost of driving a sweep; threads, processes and Dask."""
 import time
 
 import numpy as np
-from harness import Bench
 
 import trackmetrics
+from harness import Bench
 from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
 
 RUNS, STEPS, STATES = 10_000, 100, 4

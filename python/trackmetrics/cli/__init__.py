@@ -13,12 +13,10 @@ from importlib import import_module
 from trackmetrics._version import __version__
 
 COMMANDS: dict[str, str] = {
-    "demo": "simulate a small scene, track it and score the tracker",
+    "demo": "simulate, track and judge: three ships and their filter, or targets and their scores",
     "diagnose": "say of each track of an estimator's log whether its filter is honest",
     "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
     "sweep": "run a simulation many times over a grid of settings, and judge its filter",
-    "demo": "simulate, track and judge: three ships and their filter, or targets and their scores",
-    "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
     "vessel": "run the vessel estimator over a recording of AIS, and diagnose it",
 }
 """Each command and what it does."""
