@@ -10,6 +10,7 @@
 
 use super::judge::doubtful_pivot;
 use crate::lanes::{Load, MOST, WithLanes};
+use crate::simd::Width;
 use pulp::Simd;
 
 /// Which covariance belongs to a residual.
@@ -33,6 +34,10 @@ pub(super) struct Forms<'a, const D: usize, const E: usize> {
 impl<const D: usize, const E: usize> WithLanes for Forms<'_, D, E> {
     /// Whether no lane was left in doubt.
     type Output = bool;
+
+    /// From five dimensions on a covariance does not fit into registers, and half as many at a time
+    /// are as fast on Intel and faster on AMD.
+    const WIDEST: Width = if D < 5 { Width::Widest } else { Width::V3 };
 
     #[inline(always)]
     fn with_lanes<S: Simd, L: Load<S>>(self, simd: S, load: L) -> bool {
