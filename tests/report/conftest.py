@@ -169,10 +169,6 @@ def track_diagnosis(log, name, verdict):
         for i, s in enumerate(log.states)
     )
     fails = verdict in ("late_divergence", "optimistic")
-    text = (
-        f"{name}: {verdict.replace('_', ' ')}. The NIS of {good.sum()} updates has a scale of "
-        f"{scales[-1]:g}; the covariance of the settled part would have to be multiplied by it."
-    )
     return TrackDiagnosis(
         track=name,
         verdict=verdict,
@@ -193,7 +189,6 @@ def track_diagnosis(log, name, verdict):
         longest_gap_time=float(rows.time[1]),
         observed={FULL: ("lat", "lon", "sog", "cog"), SHORT: ("lat", "lon")},
         notes=("A note about <this> & that.",) if fails else (),
-        text=text,
     )
 
 

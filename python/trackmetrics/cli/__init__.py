@@ -14,6 +14,7 @@ from trackmetrics._version import __version__
 
 COMMANDS: dict[str, str] = {
     "demo": "simulate a small scene, track it and score the tracker",
+    "diagnose": "say whether a filter is honest, since when, and which state fails",
     "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
 }
 """Each command and what it does."""

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trackmetrics.diagnostics import chisquare, words
+from trackmetrics import _chi2
+from trackmetrics.diagnostics import words
 from trackmetrics.diagnostics.angles import Unwrapped
 from trackmetrics.diagnostics.building import observed_mask
 from trackmetrics.diagnostics.columns import Columns, Floats, present
@@ -251,7 +252,7 @@ def _outliers(nis: Quantity, columns: Columns) -> tuple[Outlier, ...]:
             float(columns.time[nis.rows[k]]),
             float(trace.values[k]),
             float(trace.dof[k]),
-            float(chisquare.upper_tail(trace.values[k] / scale, trace.dof[k])),
+            float(_chi2.sf(trace.values[k] / scale, trace.dof[k])),
         )
         for k in trace.outliers
     )

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from trackmetrics import _backend
-from trackmetrics.diagnostics import chisquare
+from trackmetrics import _backend, _chi2
+from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Floats, Integers
 from trackmetrics.diagnostics.penalties import deserved
 
@@ -154,7 +154,7 @@ def scores_within(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
     scales = np.concatenate(
         [np.full(b - a, values[a:b].sum() / dof[a:b].sum()) for a, b in pairwise(edges)]
     )
-    return chisquare.normal_scores(values / np.maximum(scales, 1e-300), dof)
+    return laws.normal_scores(values / np.maximum(scales, 1e-300), dof)
 
 
 def autocorrelation_time(values: Floats) -> float:
@@ -185,12 +185,12 @@ def _tested(
         sums += np.add.reduceat(values, places[:-1]).tolist()
         dofs += np.add.reduceat(dof, places[:-1]).tolist()
     n, m = np.array(sums), np.array(dofs)
-    p = chisquare.two_sided(n, m)
-    low, high = n / chisquare.quantile(0.975, m), n / chisquare.quantile(0.025, m)
+    p = _chi2.p_value(n, m)
+    low, high = n / _chi2.quantile(0.975, m), n / _chi2.quantile(0.025, m)
     found, at = [], 0
     for places in edges:
         count = len(places) - 1
-        corrected = p[at : at + 1] if count == 1 else chisquare.holm(p[at : at + count])
+        corrected = p[at : at + 1] if count == 1 else laws.holm(p[at : at + count])
         found.append(
             tuple(
                 _stretch(
@@ -239,7 +239,7 @@ def _without_spike(stretch: Stretch, values: Floats, dof: Floats) -> Stretch:
         return stretch
     c, m = values[stretch.start : stretch.stop], dof[stretch.start : stretch.stop]
     largest = int(np.argmax(c / m))
-    rest = chisquare.upper_tail(stretch.sum - c[largest], stretch.dof - m[largest])
+    rest = _chi2.sf(stretch.sum - c[largest], stretch.dof - m[largest])
     if rest <= 0.05:
         return stretch
     return Stretch(
@@ -291,7 +291,7 @@ def _end_tests(pairs: Sequence[tuple[Floats, Floats]], reverse: bool) -> tuple[F
     used = np.arange(LONGEST_END) < most[:, None]
     n, m = np.where(used, n, 1.0), np.where(used, m, 1.0)
     rest = np.maximum(total - n, 1e-300) / (dof - m)
-    p = np.maximum(chisquare.ratio_tail(n / m / rest, m, dof - m), chisquare.upper_tail(n, m))
+    p = np.maximum(laws.ratio_tail(n / m / rest, m, dof - m), _chi2.sf(n, m))
     p = np.where(used, p, 2.0)
     best = np.argmin(p, axis=1)
     corrected = p[np.arange(count), best] * np.minimum(most, TESTS)
