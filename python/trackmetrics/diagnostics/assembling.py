@@ -134,8 +134,14 @@ def quantity_verdict(name: str, quantity: Quantity, columns: Columns) -> Quantit
         alarm_index=row(alarm[0] if alarm else None),
         alarm_time=at(alarm[0] if alarm else None),
         alarm_onset_time=at(alarm[1] if alarm else None),
-        inflation=float(np.median(quantity.inflation)) if len(rows) else 1.0,
+        inflation=_middle(quantity.inflation),
     )
+
+
+def _middle(values: Floats) -> float:
+    """The median, the upper one of two; np.median costs ten times as much."""
+    half = len(values) // 2
+    return float(np.partition(values, half)[half]) if len(values) else 1.0
 
 
 def _segment(stretch: Stretch, quantity: Quantity, time: Floats) -> Segment:

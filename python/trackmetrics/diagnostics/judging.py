@@ -186,11 +186,14 @@ def reconciled(
 
     What only an end of one of them shows gives way to a bias that the other shows: a filter absorbs
     a bias as it starts. A mean innovation is no bias where the errors are far too large and have no
-    mean. And a NIS that diverges late is optimistic where the NEES was so from the start.
+    mean; a mean error is none where both are smaller than claimed. And a NIS that diverges late is
+    optimistic where the NEES was so from the start.
     """
     if nees.word.verdict == "biased" and _only_an_end(nis.word):
         nis = replace(nis, word=Word("consistent"))
     if nis.word.verdict == "biased" and _only_an_end(nees.word):
+        nees = replace(nees, word=Word("consistent"))
+    if (nis.word.verdict, nees.word.verdict) == ("pessimistic", "biased") and _scale(nees) < 1:
         nees = replace(nees, word=Word("consistent"))
     unexplained = nees.word.verdict == "optimistic" and not state_biases
     if nis.word.verdict == "biased" and unexplained and _scale(nees) > FAR:

@@ -53,7 +53,11 @@ def deserved(gains: Floats, dof: Floats, least: int, level: float, factor: float
 
 def _count(gains: list[float], price: float) -> int:
     """The number of cuts with the largest gain after their price; the least of equals."""
-    return max(range(len(gains)), key=lambda s: (gains[s] - s * price, -s))
+    best, most = 0, gains[0]
+    for count, gain in enumerate(gains):
+        if gain - count * price > most:
+            best, most = count, gain - count * price
+    return best
 
 
 @lru_cache(maxsize=64)

@@ -6,6 +6,7 @@ sequences of a log are judged together, stage by stage, so that special function
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -67,7 +68,7 @@ class Trace:
     found: "Candidates | None" = None
     """Its partitions, where they are known."""
 
-    @property
+    @cached_property
     def sufficient(self) -> bool:
         """Whether there is enough to judge."""
         return len(self.values) >= LEAST_UPDATES and float(self.dof.sum()) >= LEAST_DOF
@@ -279,20 +280,20 @@ def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) 
 
 
 def _end_tests(pairs: Sequence[tuple[Floats, Floats]], reverse: bool) -> tuple[Floats, Integers]:
-    count = len(pairs)
-    n, m = np.zeros((count, LONGEST_END)), np.zeros((count, LONGEST_END))
-    total, dof, most = np.zeros((count, 1)), np.zeros((count, 1)), np.zeros(count, np.int64)
-    for i, (values, dofs) in enumerate(pairs):
-        most[i] = min(LONGEST_END, max(1, len(values) // 3))
-        total[i], dof[i] = values.sum(), dofs.sum()
-        ends = slice(None, -most[i] - 1, -1) if reverse else slice(most[i])
-        n[i, : most[i]] = np.cumsum(values[ends])
-        m[i, : most[i]] = np.cumsum(dofs[ends])
+    """P-values of the ends of all traces, and the lengths that they are of."""
+    lengths = np.array([len(values) for values, _ in pairs])
+    starts = np.cumsum(lengths) - lengths
+    most = np.minimum(LONGEST_END, np.maximum(1, lengths // 3))
+    steps = np.minimum(np.arange(LONGEST_END), most[:, None] - 1)
+    rows = starts[:, None] + (lengths[:, None] - 1 - steps if reverse else steps)
+    values, dofs = (np.concatenate(column) for column in zip(*pairs, strict=True))
+    n, m = np.cumsum(values[rows], axis=1), np.cumsum(dofs[rows], axis=1)
+    total, dof = (np.add.reduceat(column, starts)[:, None] for column in (values, dofs))
     used = np.arange(LONGEST_END) < most[:, None]
-    n, m = np.where(used, n, 1.0), np.where(used, m, 1.0)
+    n, m = np.where(used, n, n[:, :1]), np.where(used, m, m[:, :1])
     rest = np.maximum(total - n, 1e-300) / (dof - m)
     p = np.maximum(laws.ratio_tail(n / m / rest, m, dof - m), _chi2.sf(n, m))
     p = np.where(used, p, 2.0)
     best = np.argmin(p, axis=1)
-    corrected = p[np.arange(count), best] * np.minimum(most, TESTS)
+    corrected = p[np.arange(len(pairs)), best] * np.minimum(most, TESTS)
     return np.minimum(1.0, corrected), best + 1
