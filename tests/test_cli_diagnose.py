@@ -1,5 +1,7 @@
 """``trackmetrics diagnose``: a log in, verdicts and a page out."""
 
+"""``trackmetrics diagnose``: table, JSON, page, exit status, messages."""
+
 import json
 
 import numpy as np
@@ -74,3 +76,63 @@ def test_the_published_run(data, tmp_path, capsys):
     assert verdicts[0] == ["SS Northern Star0", "late_divergence"]
     assert verdicts[1][0] == "MV Iron Falcon2"
     assert page.stat().st_size < 3e6
+    rng = np.random.default_rng(0)
+    honest = rng.chisquare(2, 60)
+    late = np.where(np.arange(60) < 40, honest, 9 * honest)
+    for name, nis in (("honest", honest), ("late", late)):
+        EstimatorLog.from_columns(nis=nis, nis_dof=2).write(tmp_path / f"{name}.jsonl")
+    return tmp_path
+
+
+def test_the_table_has_a_line_and_a_paragraph_a_track(logs, capsys):
+    assert main(["diagnose", str(logs / "late.jsonl")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == [
+        "track",
+        "verdict",
+        "NIS",
+        "NEES",
+        "updates",
+        "since",
+        "weakest",
+        "state",
+    ]
+    assert lines[1].split()[:4] == ["track", "late_divergence", "late_divergence", "-"]
+    assert lines[3].startswith("track: late divergence, it diverges late. NIS:")
+
+
+def test_json_is_json_and_has_no_nan(logs, capsys):
+    assert main(["diagnose", str(logs / "honest.jsonl"), "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert found["tracks"]["track"]["verdict"] == "consistent"
+
+
+def test_check_fails_where_a_track_is_not_consistent(logs, capsys):
+    assert main(["diagnose", str(logs / "honest.jsonl"), "--check"]) == 0
+    assert main(["diagnose", str(logs / "late.jsonl"), "--check"]) == 1
+
+
+def test_the_page_is_written(logs, capsys):
+    page = logs / "page.html"
+    assert main(["diagnose", str(logs / "late.jsonl"), "--html", str(page)]) == 0
+    assert "late" in page.read_text(encoding="utf-8")
+
+
+def test_columns_states_and_angles_are_named(tmp_path, capsys):
+    path = tmp_path / "foreign.csv"
+    rows = "\n".join(f"{k},{k},{350 + k},1,9,{2 * k},{352 + k}" for k in range(9))
+    path.write_text(f"t,e,c,s0,s1,te,tc\n{rows}\n")
+    arguments = ["--column", "time=t", "--column", "x=e,c", "--column", "std=s0,s1"]
+    arguments += ["--column", "truth=te,tc", "--states", "east,course", "--angle", "course=360"]
+    assert main(["diagnose", str(path), *arguments]) == 0
+    assert "insufficient" in capsys.readouterr().out
+
+
+def test_bad_input_is_one_line_and_status_2(tmp_path, capsys):
+    path = tmp_path / "cut.jsonl"
+    path.write_text('{"nis": 1.0, "nis_dof": 2}\n{"nis": 2.0, "ni')
+    assert main(["diagnose", str(path)]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("trackmetrics diagnose: cut.jsonl, line 2: not a JSON record")
+    assert main(["diagnose", str(path), "--column", "nis"]) == 2
+    assert "expected NAME=VALUE, got 'nis'" in capsys.readouterr().err

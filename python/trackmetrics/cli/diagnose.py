@@ -11,6 +11,22 @@ Reads the log of an estimator (.jsonl, .csv or .parquet: one row per update) and
 of each track, the most severe first, with one paragraph each.
 """
 _HEAD = ("track", "verdict", "NIS", "NEES", "weakest state", "updates")
+"""``trackmetrics diagnose LOG``: is the filter honest, since when, and which state?"""
+
+import argparse
+import json
+from pathlib import Path
+
+from trackmetrics.diagnostics import Diagnosis, TrackDiagnosis, diagnose, read_log
+
+_EXPLANATION = """
+Reads the log of an estimator (.jsonl, .csv or .parquet; one row per update) and says for every
+track whether its covariance is honest, from when to when, and which state fails. The NIS with its
+degrees of freedom is enough; with innovations, covariances and truth there is more to say.
+
+With --check the exit status is 1 where a track is not consistent, so that the test of a filter can
+fail on it.
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--check", action="store_true", help="exit status 1 where a track is not consistent"
     )
+    parser.add_argument("log", metavar="LOG", help="log of an estimator")
     parser.add_argument(
         "--column",
         action="append",
@@ -33,6 +50,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--states", metavar="NAMES", help="names of the states: lat,lon,sog")
     parser.add_argument("--state-dim", type=int, help="how many states, where no column tells")
+        metavar="NAME=COLUMN[,COLUMN...]",
+        help="the file's name of a column, or the columns of a vector; may be repeated",
+    )
+    parser.add_argument("--states", metavar="NAME,NAME,...", help="names of the states")
+    parser.add_argument(
+        "--angle",
+        action="append",
+        default=[],
+        metavar="STATE=PERIOD",
+        help="a state that is an angle, with its period; may be repeated",
+    )
+    parser.add_argument("--html", metavar="FILE", help="write a page to look at")
+    parser.add_argument("--format", choices=["table", "json"], default="table")
+    parser.add_argument("--check", action="store_true", help="exit with 1 unless all is consistent")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -92,3 +123,60 @@ def _finite(value: object) -> object:
     if isinstance(value, float) and value - value != 0:
         return None
     return value
+        columns={name: _names(value) for name, value in map(_pair, arguments.column)} or None,
+        states=arguments.states.split(",") if arguments.states else None,
+        angles={name: float(period) for name, period in map(_pair, arguments.angle)} or None,
+    )
+    found = diagnose(log)
+    if arguments.html:
+        from trackmetrics.report import page
+
+        Path(arguments.html).write_text(page(found, log), encoding="utf-8")
+    if arguments.format == "json":
+        print(json.dumps(_without_nan(found.to_dict()), indent=2))
+    else:
+        print(table(found))
+    return 1 if arguments.check and not found.consistent else 0
+
+
+def table(found: Diagnosis) -> str:
+    """A line a track, the most severe first, then a paragraph each."""
+    head = ["track", "verdict", "NIS", "NEES", "updates", "since", "weakest state"]
+    rows = [head, *(_row(track) for track in found.by_severity())]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
+    lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) for row in rows]
+    return "\n".join([*(line.rstrip() for line in lines), "", found.text])
+
+
+def _row(track: TrackDiagnosis) -> list[str]:
+    quantities = [q for q in (track.nis, track.nees) if q is not None]
+    onsets = [q.onset_time for q in quantities if q.onset_time is not None]
+    return [
+        track.track,
+        track.verdict,
+        track.nis.verdict,
+        "-" if track.nees is None else track.nees.verdict,
+        str(track.updates),
+        f"{min(onsets):g} {track.time_unit}" if onsets else "-",
+        track.weakest_state or "-",
+    ]
+
+
+def _pair(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise ValueError(f"expected NAME=VALUE, got {text!r}")
+    return name, value
+
+
+def _names(value: str) -> str | list[str]:
+    return value.split(",") if "," in value else value
+
+
+def _without_nan(value: object) -> object:
+    """NaN as null: JSON has no NaN."""
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and value != value else value
