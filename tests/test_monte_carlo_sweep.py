@@ -435,7 +435,7 @@ def test_dask_gives_the_same_bytes_though_a_worker_dies(tmp_path):
     expected = sweep(cases.once_deadly, 100, progress=False, **arguments)
     with (
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0",
         ) as cluster,
         distributed.Client(cluster) as client,
     ):  # fmt: skip
