@@ -124,6 +124,13 @@ pub enum Error {
         /// How many points there are.
         points: usize,
     },
+    /// More pairs of points than fit into memory.
+    Memory {
+        /// How many pairs.
+        pairs: usize,
+        /// How many bytes they would take.
+        bytes: usize,
+    },
     /// A cost matrix with an element that no assignment can use.
     InvalidCosts,
     /// A cost matrix in which every complete assignment has an infinite cost.
@@ -174,6 +181,10 @@ impl fmt::Display for Error {
             Self::Offsets { argument, points } => {
                 write!(f, "{argument}: starts must rise from 0 to {points}, the number of points")
             }
+            Self::Memory { pairs, bytes } => write!(
+                f,
+                "{pairs} pairs of points would take {bytes} bytes: take a smaller c or fewer points"
+            ),
             Self::InvalidCosts => write!(f, "matrix contains invalid numeric entries"),
             Self::Infeasible => write!(f, "cost matrix is infeasible"),
             Self::Interrupted => write!(f, "interrupted"),
