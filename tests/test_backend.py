@@ -39,6 +39,20 @@ def test_an_unknown_backend_is_an_error():
         pass
 
 
+WITHOUT_EXTENSION = """
+import sys
+sys.modules["trackmetrics._native"] = None
+import trackmetrics
+print(trackmetrics.backend())
+"""
+
+
+def test_a_build_without_an_extension_computes_with_the_twins():
+    assert run(WITHOUT_EXTENSION, TRACKMETRICS_BACKEND="").stdout.strip() == "numpy"
+    asked_for = run(WITHOUT_EXTENSION, TRACKMETRICS_BACKEND="native")
+    assert "ModuleNotFoundError" in asked_for.stderr
+
+
 def test_a_block_ends_where_it_began():
     before = trackmetrics.backend()
     with trackmetrics.use_backend("numpy"):

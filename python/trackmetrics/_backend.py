@@ -2,8 +2,9 @@
 
 ``kernels`` is the module in use. A room calls ``_backend.kernels.f(...)``, so that a change of
 backend is seen at the next call. ``TRACKMETRICS_BACKEND`` asks for one by name; without it the Rust
-kernels are taken. A backend that was asked for and is missing, or an extension of another build,
-is an error and never a silent fallback.
+kernels are taken, and their twins where the package was built without an extension. A backend that
+was asked for and is missing, an extension that does not load, or one of another build, is an error
+and never a silent fallback.
 """
 
 import os
@@ -30,7 +31,18 @@ def _load(name: str) -> ModuleType:
     return module
 
 
-_name = os.environ.get("TRACKMETRICS_BACKEND", "native")
+def _built() -> str:
+    """The backend where none is asked for."""
+    try:
+        import_module(_MODULES["native"])
+    except ModuleNotFoundError as error:
+        if error.name != _MODULES["native"]:
+            raise
+        return "numpy"
+    return "native"
+
+
+_name = os.environ.get("TRACKMETRICS_BACKEND") or _built()
 kernels: Any = _load(_name)
 
 

@@ -25,6 +25,25 @@ class OSPAResult(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
+class AuctionAssignment:
+    """A complete matching whose total cost is within a bound of the best one."""
+
+    row_ind: NDArray[np.int64]
+    """The matched rows, rising."""
+    col_ind: NDArray[np.int64]
+    """The column of each of them."""
+    epsilon: float
+    """The last epsilon of the auction, in the unit of the costs."""
+    bound: float
+    """The total cost is at most this far from the best one, in the unit of the costs: at most
+    ``n * epsilon`` and the rounding of a sum, and 0 where the matching is proved optimal."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
 class BottleneckAssignment:
     """A complete matching whose largest cost is as small as it can be."""
 
@@ -73,6 +92,24 @@ class ConsistencyResult(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
+class OSPA2Result:
+    """OSPA(2) over time; ``ospa2 ** p == localization ** p + cardinality ** p`` at each time."""
+
+    times: NDArray[np.float64]
+    """When it was evaluated, shape (T,)."""
+    ospa2: NDArray[np.float64]
+    """The distance, in the unit of the states; 0 is best, ``c`` is worst."""
+    localization: NDArray[np.float64]
+    """The part owed to the distances of matched tracks."""
+    cardinality: NDArray[np.float64]
+    """The part owed to the difference in the number of tracks."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
 class GOSPAResult:
     """GOSPA distance of two sets of points, its parts, and the pairs behind it; 0 is best.
 
@@ -94,6 +131,34 @@ class GOSPAResult:
     """Estimates without a partner closer than ``c``."""
     assignment: NDArray[np.int64]
     """The pairs closer than ``c``, shape (k, 2): index in X, index in Y; the first rises."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryGOSPAResult:
+    """Trajectory GOSPA and its parts over time, which are p-th powers and add up:
+    ``distance ** p == sum(totals().values())``."""
+
+    distance: float
+    """The distance, in the unit of the states; 0 is best."""
+    times: NDArray[np.float64]
+    """The times at which something exists, shape (T,)."""
+    localization: NDArray[np.float64]
+    """Owed to the distances of states that are followed, shape (T,)."""
+    missed: NDArray[np.float64]
+    """Owed to states of the truth that nobody follows, shape (T,)."""
+    false: NDArray[np.float64]
+    """Owed to states of tracks that follow nobody, shape (T,)."""
+    switching: NDArray[np.float64]
+    """Owed to changes from each time to the next, shape (T - 1,)."""
+
+    def totals(self) -> dict[str, float]:
+        """The four parts, summed over time."""
+        names = ("localization", "missed", "false", "switching")
+        return {name: float(getattr(self, name).sum()) for name in names}
 
     def to_dict(self) -> dict[str, Any]:
         """The fields by name."""

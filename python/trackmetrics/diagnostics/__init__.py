@@ -1,5 +1,7 @@
 """Is the filter honest, since when, and which state? A log of an estimator, and its diagnosis."""
 
+from trackmetrics.diagnostics.diagnosing import diagnose
+from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
 from trackmetrics.diagnostics.log import EstimatorLog, State
 from trackmetrics.diagnostics.reading import read_log
 from trackmetrics.diagnostics.results import (
@@ -19,6 +21,8 @@ __all__ = [
     "Bias",
     "Diagnosis",
     "EstimatorLog",
+    "LiveMonitor",
+    "LiveStatus",
     "Outlier",
     "QuantityVerdict",
     "Segment",
@@ -26,5 +30,6 @@ __all__ = [
     "StateDiagnosis",
     "TrackDiagnosis",
     "Whiteness",
+    "diagnose",
     "read_log",
 ]

@@ -25,8 +25,11 @@ def derive(
         error=_filled(columns.error, _errors(columns, states)),
         std=_filled(columns.std, _deviations(columns)),
     )
+    residuals = columns.innovation
+    if residuals is not None and periods is not None:
+        residuals = wrapped(residuals, periods)
     columns = columns.with_(
-        nis=_filled(columns.nis, _forms(columns.innovation, columns.S)),
+        nis=_filled(columns.nis, _forms(residuals, columns.S)),
         nees=_filled(columns.nees, _forms(columns.error, columns.P)),
     )
     columns = columns.with_(nis_dof=_filled(columns.nis_dof, _dof(columns)))

@@ -1,0 +1,25 @@
+"""The ships of the demo: simulated, tracked, diagnosed, on one page."""
+
+import argparse
+import time
+
+from trackmetrics.cli._verdicts import print_verdicts, write_html
+from trackmetrics.diagnostics import diagnose
+from trackmetrics.vessel import three_ships
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate, track, diagnose; print the verdicts and write the page."""
+    start = time.perf_counter()
+    simulation = three_ships(arguments.seed, arguments.noise)
+    log = simulation.track()
+    diagnosis = diagnose(log)
+    seconds = time.perf_counter() - start
+    print(
+        f"three ships, {len(log)} updates, {arguments.noise} noise, seed {arguments.seed}: "
+        f"simulated, tracked and diagnosed in {seconds:.2f} s\n"
+    )
+    print_verdicts(diagnosis)
+    if arguments.html:
+        write_html(arguments.html, diagnosis, log, "Three ships")
+    return 0

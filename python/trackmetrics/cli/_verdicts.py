@@ -1,0 +1,46 @@
+"""What the commands that diagnose vessels print, and the page they write."""
+
+from pathlib import Path
+
+from trackmetrics.diagnostics import Diagnosis, EstimatorLog, TrackDiagnosis
+
+
+def print_verdicts(diagnosis: Diagnosis) -> None:
+    """A line for each track, the most severe first, and what to look at first."""
+    width = max([5, *(len(track) for track in diagnosis)])
+    heading = f"{'track':{width}}  {'verdict':24}  {'NIS scale':>21}  {'since':>8}"
+    print(f"{heading}  {'weakest state':13}  updates")
+    worst = diagnosis.by_severity()
+    for track in worst:
+        weakest = track.weakest_state or "-"
+        print(
+            f"{track.track:{width}}  {track.verdict:24}  {_scale(track):>21}  {_since(track):>8}"
+            f"  {weakest:13}  {track.updates:7}"
+        )
+    failing = [track for track in worst if track.verdict not in ("consistent", "insufficient")]
+    if failing:
+        print(f"\nLook at this first: {failing[0].text}")
+    else:
+        print("\nEvery filter is as honest as its updates can tell.")
+
+
+def _scale(track: TrackDiagnosis) -> str:
+    low, high = track.nis.interval
+    return f"{track.nis.scale:.3g} [{low:.3g}, {high:.3g}]"
+
+
+def _since(track: TrackDiagnosis) -> str:
+    """When the fault began, or ended, since the first update of the track, in seconds."""
+    quantity = track.nis if track.nis.onset_time is not None else track.nees or track.nis
+    if quantity.onset_time is not None:
+        return f"{quantity.onset_time:.0f} s"
+    settled = track.nis.settle_time
+    return "-" if settled is None else f"to {settled:.0f} s"
+
+
+def write_html(path: str, diagnosis: Diagnosis, log: EstimatorLog, title: str) -> None:
+    """The page of a diagnosis."""
+    from trackmetrics.report import write_page
+
+    write_page(path, diagnosis, log, title=title)
+    print(f"\nwrote {path} ({Path(path).stat().st_size / 1e6:.1f} MB)")

@@ -1,0 +1,206 @@
+"""From a log to its diagnosis."""
+
+import numpy as np
+
+from trackmetrics import _backend
+from trackmetrics.diagnostics.angles import Unwrapped, radians_in_degrees, unwrapped
+from trackmetrics.diagnostics.assembling import Evidence, assemble
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
+from trackmetrics.diagnostics.deriving import component_periods, wrapped
+from trackmetrics.diagnostics.grammar import describe
+from trackmetrics.diagnostics.judging import Quantity, transitions
+from trackmetrics.diagnostics.log import EstimatorLog
+from trackmetrics.diagnostics.results import Diagnosis
+from trackmetrics.diagnostics.series import (
+    LEAST_UPDATES,
+    Candidates,
+    Trace,
+    autocorrelation_time,
+    candidates,
+    chosen,
+    cut,
+    scores_within,
+)
+
+LEVEL = 0.004
+"""Chance of a false alarm of each family of tests."""
+
+
+def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
+    """Is each track of a log honest, since when, and which state fails?
+
+    A verdict for the NIS of each track, one for its NEES where there is truth, and the more severe
+    of the two:
+
+    ``angle_wrap_bug``
+        a logged innovation of an angle lies beyond half its period, and the logged NIS is that of
+        the unwrapped residual;
+    ``late_divergence``
+        too large from some time to the very end;
+    ``startup_then_consistent``, ``startup_then_pessimistic``
+        too large at the beginning only;
+    ``biased``
+        a constant offset of a measurement or of a state explains the excess;
+    ``optimistic``
+        too large throughout: the covariance is too small;
+    ``transient``
+        too large for a while;
+    ``pessimistic``, ``partly_pessimistic``
+        too small in at least half, or in less, of the track: the covariance is too large;
+    ``outliers``
+        honest apart from isolated values that are far too large;
+    ``non_white``
+        the right size, but innovations correlate in time;
+    ``consistent``
+        none of these;
+    ``insufficient``
+        fewer than 4 updates or 8 degrees of freedom.
+
+    The NIS c_k with m_k degrees of freedom is taken as s chi2(m_k) with a scale s that is constant
+    in each of at most four segments, found by dynamic programming; a cut must gain more likelihood
+    than the best cut of honest data does by chance. Each segment is tested against s = 1. NEES is
+    treated alike after division by its autocorrelation, known from ``A`` or else estimated.
+
+    Parameters
+    ----------
+    log
+        The log. NIS with their degrees of freedom are enough; innovations with ``S`` add bias,
+        whiteness and cause, errors with ``P`` the states, ``A`` exactness in time.
+    level
+        Chance of a false alarm of each of the six families of tests (segments, levels, ends,
+        outliers, whiteness and bias of NIS; the same of NEES), between 0 and 0.05.
+
+    Returns
+    -------
+    Diagnosis
+        A mapping from the names of the tracks to :class:`TrackDiagnosis`.
+
+    Raises
+    ------
+    ValueError
+        If ``level`` is outside its range.
+
+    Notes
+    -----
+    Deterministic: what is drawn is drawn with a fixed seed, once for each pattern of degrees of
+    freedom. A bias common to all sensors cannot be seen without truth. A turn to which the filter
+    adapts shows as ``transient`` in the NIS while the state is still wrong: only the NEES tells.
+    For an estimator far from linear chi-square is an approximation.
+
+    References
+    ----------
+    Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and
+    Navigation (2001), chapter 5.4, doi:10.1002/0471221279.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(1)
+    >>> nis = rng.chisquare(2, 60)
+    >>> nis[40:] *= 8
+    >>> d = diagnose(EstimatorLog.from_columns(nis=nis, nis_dof=2))
+    >>> d["track"].verdict, d["track"].nis.onset_index
+    ('late_divergence', 39)
+    """
+    if not 0 < level <= 0.05:
+        raise ValueError(f"level must be above 0 and at most 0.05, got {level!r}")
+    tracks = [log.columns.take(log.rows(t)) for t in range(len(log.tracks))]
+    nis = _judged([_nis_parts(columns) for columns in tracks], level)
+    nees = _judged(_nees_parts(log, tracks, level), level)
+    periods = component_periods(log.columns, log.states, log.measurement_angles)
+    angles, warnings = unwrapped(log, periods), radians_in_degrees(log)
+    found = []
+    for t, columns in enumerate(tracks):
+        rows, values = log.rows(t), columns.innovation
+        if values is not None and periods is not None:
+            values = wrapped(values, periods[rows])
+        of_track = Unwrapped(angles.proven[rows], angles.harmless[rows], angles.suspected[rows])
+        quantities = nis[t] or _nothing(), nees[t]
+        evidence = Evidence(log, t, columns, values, *quantities, of_track, warnings, level)
+        found.append(assemble(evidence))
+    return Diagnosis(tuple(found), warnings)
+
+
+_Parts = tuple[Trace, Integers, Floats]
+
+
+def _judged(parts: list[_Parts | None], level: float) -> list[Quantity | None]:
+    """All traces cut in one go, each with its verdict."""
+    cut([part[0] for part in parts if part is not None], level)
+    return [
+        None if part is None else Quantity(part[0], part[1], part[2], describe(part[0], level))
+        for part in parts
+    ]
+
+
+def _nothing() -> Quantity:
+    """A quantity that the log does not have."""
+    trace = Trace(np.empty(0), np.empty(0), True)
+    return Quantity(trace, np.empty(0, np.int64), np.empty(0), describe(trace, LEVEL))
+
+
+def _nis_parts(columns: Columns) -> _Parts | None:
+    """The NIS of a track without tentative updates."""
+    if columns.nis is None or columns.nis_dof is None:
+        return None
+    usable = ~np.isnan(columns.nis)
+    if columns.status is not None:
+        usable &= columns.status != "tentative"
+    rows = np.flatnonzero(usable)
+    return Trace(columns.nis[rows], columns.nis_dof[rows], True), rows, np.ones(len(rows))
+
+
+def _nees_parts(log: EstimatorLog, tracks: list[Columns], level: float) -> list[_Parts | None]:
+    """The NEES of every track over its autocorrelation."""
+    d = float(len(log.states))
+    rows = [
+        np.flatnonzero(~np.isnan(c.nees)) if c.nees is not None else np.empty(0, np.int64)
+        for c in tracks
+    ]
+    values = [
+        c.nees[r] if c.nees is not None else np.empty(0) for c, r in zip(tracks, rows, strict=True)
+    ]
+    inflation = _inflation(tracks, rows, values, d, level)
+    return [
+        (Trace(v / tau, d / tau, False, found=found), r, tau) if len(r) else None
+        for v, r, (tau, found) in zip(values, rows, inflation, strict=True)
+    ]
+
+
+def _inflation(
+    tracks: list[Columns], rows: list[Integers], values: list[Floats], d: float, level: float
+) -> list[tuple[Floats, Candidates | None]]:
+    """tau of every NEES: from the model where A and P are logged, else from the values.
+
+    One tau for all values of a track scales every gain and moves no cut.
+    """
+    tau: list[tuple[Floats, Candidates | None]] = [(np.ones(len(r)), None) for r in rows]
+    modelled = [i for i, (c, r) in enumerate(zip(tracks, rows, strict=True)) if _has_model(c, r)]
+    if modelled:
+        steps = np.concatenate([transitions(tracks[i], rows[i]) for i in modelled])
+        claims = np.concatenate([_claims(tracks[i], rows[i]) for i in modelled])
+        starts = np.concatenate([[0], np.cumsum([len(rows[i]) for i in modelled])])
+        found = _backend.kernels.nees_inflation(steps, claims, starts.astype(np.int64))
+        for i, a, b in zip(modelled, starts[:-1], starts[1:], strict=True):
+            tau[i] = found[a:b], None
+    known = set(modelled)
+    free = [i for i in range(len(rows)) if i not in known and len(rows[i]) >= LEAST_UPDATES]
+    pairs = [(values[i], np.full(len(values[i]), d)) for i in free]
+    for i, pair, best in zip(free, pairs, candidates(pairs), strict=True):
+        scores = scores_within(*pair, chosen(pair, best, level, corrected=False))
+        time = autocorrelation_time(scores)
+        tau[i] = np.full(len(scores), time), Candidates(best.gains / time, best.cuts)
+    return tau
+
+
+def _has_model(columns: Columns, rows: Integers) -> bool:
+    """Whether P is there for every NEES and A for most (not for the first, or while tentative)."""
+    if columns.A is None or columns.P is None or not len(rows):
+        return False
+    known = present(columns.A[rows]).mean()
+    return bool(known > 0.5 and present(columns.P[rows]).all())
+
+
+def _claims(columns: Columns, rows: Integers) -> Floats:
+    assert columns.P is not None
+    return columns.P[rows]

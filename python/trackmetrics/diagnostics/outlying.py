@@ -1,0 +1,78 @@
+"""Isolated values that are far too large: bad measurements, to be reported before anything else."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from trackmetrics.diagnostics import chisquare
+from trackmetrics.diagnostics.columns import Floats, Integers
+
+if TYPE_CHECKING:
+    from trackmetrics.diagnostics.series import Trace
+
+LEAST_UPDATES = 10
+MOST = 0.12
+"""Above this share of the updates they are no outliers but a fault."""
+ISOLATED = 0.7
+"""Share of the large values that must stand alone."""
+DRAGGED = 2
+"""Most large values that one bad measurement makes."""
+NEAR = 3
+"""Large values that are no further apart belong together."""
+
+
+def set_aside(traces: Sequence["Trace"], level: float) -> None:
+    """Takes outliers out of ``kept``: extreme under the robust scale of the rest, and alone."""
+    for trace in _suspicious(traces, level):
+        outliers: Integers = np.empty(0, np.int64)
+        while True:
+            scale = robust_scale(*trace.kept_values())
+            found = _isolated(trace.values, trace.dof, scale, level)
+            if len(found) <= len(outliers):
+                break
+            outliers = found
+            trace.kept = np.setdiff1d(np.arange(len(trace.values)), outliers)
+        trace.outliers = tuple(outliers.tolist())
+
+
+def _suspicious(traces: Sequence["Trace"], level: float) -> list["Trace"]:
+    """Those with any value that is extreme under a scale of 1: the robust scale is never less."""
+    if not traces:
+        return []
+    tails = chisquare.upper_tail(
+        np.concatenate([s.values for s in traces]), np.concatenate([s.dof for s in traces])
+    )
+    starts = np.concatenate([[0], np.cumsum([len(s.values) for s in traces])[:-1]])
+    least = np.minimum.reduceat(tails, starts)
+    return [
+        s
+        for s, p in zip(traces, least, strict=True)
+        if len(s.values) >= LEAST_UPDATES and p < level / len(s.values)
+    ]
+
+
+def robust_scale(values: Floats, dof: Floats) -> float:
+    """The median of the values over the median that chi-square promises, at least 1."""
+    return max(1.0, float(np.median(values / chisquare.quantile(0.5, dof))))
+
+
+def _isolated(values: Floats, dof: Floats, scale: float, level: float) -> Integers:
+    """Extreme values that stand alone, and what they drag along.
+
+    A bad measurement pulls the estimate away, so that one or two innovations after it may be large
+    as well, but smaller; a fault grows.
+    """
+    n = len(values)
+    tails = chisquare.upper_tail(values / scale, dof)
+    hits = np.flatnonzero(tails < level / n)
+    if not 0 < len(hits) <= max(1.0, MOST * n):
+        return hits[:0]
+    runs = np.split(hits, np.flatnonzero(np.diff(hits) > NEAR) + 1)
+    alone = [
+        run
+        for run in runs
+        if len(run) <= DRAGGED and values[run].argmax() == 0 and run[0] >= 2 and run[-1] < n - 2
+    ]
+    count = sum(map(len, alone))
+    return np.concatenate(alone) if alone and count >= ISOLATED * len(hits) else hits[:0]

@@ -1,0 +1,298 @@
+"""From a sequence of chi-square values to stretches of one scale, each high, low or consistent.
+
+One likelihood serves everything: c_k = s chi2(m_k), s > 1 optimistic and s < 1 pessimistic. All
+sequences of a log are judged together, stage by stage, so that special functions meet whole arrays.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from trackmetrics import _backend
+from trackmetrics.diagnostics import chisquare
+from trackmetrics.diagnostics.columns import Floats, Integers
+from trackmetrics.diagnostics.penalties import deserved
+
+LEAST_UPDATES = 4
+LEAST_DOF = 8.0
+LEAST_SEGMENT = 2
+MOST_SEGMENTS = 4
+MATERIAL = 1.25
+"""A scale within this factor of 1 is no fault, however certain."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Updates ``start:stop`` with their sum, degrees of freedom and what follows."""
+
+    start: int
+    stop: int
+    sum: float
+    dof: float
+    scale: float
+    interval: tuple[float, float]
+    p_value: float
+    label: str
+    spike: bool = False
+    """High by one value alone, and therefore called consistent."""
+
+    def __len__(self) -> int:
+        """How many updates."""
+        return self.stop - self.start
+
+
+@dataclass
+class Trace:
+    """A sequence of chi-square values, and what became of it."""
+
+    values: Floats
+    dof: Floats
+    spikes: bool
+    """Whether these are NIS: single large values may be outliers, and what correlates in time is
+    not yet accounted for. Values of NEES come divided by their autocorrelation time."""
+    kept: Integers = field(default_factory=lambda: np.empty(0, np.int64))
+    """The values that are not set aside."""
+    outliers: tuple[int, ...] = ()
+    """The values that are."""
+    stretches: tuple[Stretch, ...] = ()
+    """The kept values, cut where the scale changes; indices count kept values."""
+    start_p: float = 1.0
+    """P-value of "the beginning is not too large", and its length."""
+    start_length: int = 0
+    end_p: float = 1.0
+    """The same of the end."""
+    end_length: int = 0
+    found: "Candidates | None" = None
+    """Its partitions, where they are known."""
+
+    @property
+    def sufficient(self) -> bool:
+        """Whether there is enough to judge."""
+        return len(self.values) >= LEAST_UPDATES and float(self.dof.sum()) >= LEAST_DOF
+
+    def kept_values(self) -> tuple[Floats, Floats]:
+        """Values and degrees of freedom without outliers."""
+        return self.values[self.kept], self.dof[self.kept]
+
+
+def cut(traces: Sequence[Trace], level: float) -> None:
+    """Sets outliers aside, cuts every one where its scale changes, and tests the pieces."""
+    enough = [s for s in traces if s.sufficient]
+    for trace in enough:
+        trace.kept = np.arange(len(trace.values))
+    from trackmetrics.diagnostics.outlying import set_aside
+
+    set_aside([s for s in enough if s.spikes], level)
+    pairs = [s.kept_values() for s in enough]
+    edges = _all_edges(enough, pairs, level)
+    for trace, stretches in zip(enough, _tested(pairs, edges, level), strict=True):
+        trace.stretches = stretches
+    _drop_spikes([s for s in enough if s.spikes])
+    _test_ends(enough, pairs)
+
+
+def _all_edges(
+    traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]], level: float
+) -> list[list[int]]:
+    """Where each trace is cut; those that come with candidates are not searched again."""
+    new = candidates([p for t, p in zip(traces, pairs, strict=True) if t.found is None])
+    left = iter(new)
+    return [
+        chosen(pair, trace.found or next(left), level, corrected=trace.spikes)
+        for trace, pair in zip(traces, pairs, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """The best partitions of one sequence, by number of cuts."""
+
+    gains: Floats
+    cuts: Integers
+
+    def edges(self, count: int, length: int) -> list[int]:
+        """The edges of its stretches, from 0 to its length."""
+        return [0, *self.cuts[count, :count].tolist(), length]
+
+
+def candidates(pairs: Sequence[tuple[Floats, Floats]]) -> list[Candidates]:
+    """The best partitions of every sequence, in one go."""
+    if not pairs:
+        return []
+    starts = np.concatenate([[0], np.cumsum([len(values) for values, _ in pairs])])
+    values, dof = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
+    gains, cuts = _backend.kernels.scale_partitions(
+        values, dof, starts.astype(np.int64), LEAST_SEGMENT, MOST_SEGMENTS
+    )
+    return [Candidates(g, c) for g, c in zip(gains, cuts, strict=True)]
+
+
+def chosen(
+    pair: tuple[Floats, Floats], found: Candidates, level: float, corrected: bool
+) -> list[int]:
+    """Where a sequence is cut: the edges of its stretches.
+
+    With ``corrected`` the penalty is raised by the integrated autocorrelation time of the normal
+    scores within the longest stretch found first, where that is material.
+    """
+    values, dof = pair
+    n = len(values)
+    count = deserved(found.gains, dof, LEAST_SEGMENT, level) if n >= 2 * LEAST_SEGMENT else 0
+    if count and corrected and n >= 20:
+        # Of the longest stretch: what a fault does to later values is no property of the data.
+        a, b = max(pairwise(found.edges(count, n)), key=lambda edge: edge[1] - edge[0])
+        tau = autocorrelation_time(scores_within(values[a:b], dof[a:b], [0, b - a]))
+        if tau > 1.3:
+            count = deserved(found.gains, dof, LEAST_SEGMENT, level, tau)
+    return found.edges(count, n)
+
+
+def scores_within(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
+    """Normal scores of values under the scale of their own stretch."""
+    scales = np.concatenate(
+        [np.full(b - a, values[a:b].sum() / dof[a:b].sum()) for a, b in pairwise(edges)]
+    )
+    return chisquare.normal_scores(values / np.maximum(scales, 1e-300), dof)
+
+
+def autocorrelation_time(values: Floats) -> float:
+    """Integrated autocorrelation time by Geyer's initial positive sequence (1992); at least 1.
+
+    doi:10.1214/ss/1177011137.
+    """
+    n = len(values)
+    x = values - values.mean()
+    variance = float(x @ x)
+    if n < 4 or variance <= 1e-24 * n:
+        return 1.0
+    time = 1.0
+    for lag in range(1, n // 3, 2):
+        pair = float(x[:-lag] @ x[lag:] + x[: -lag - 1] @ x[lag + 1 :]) / variance
+        if pair <= 0:
+            break
+        time += 2.0 * pair
+    return float(min(max(time, 1.0), n / 3))
+
+
+def _tested(
+    pairs: Sequence[tuple[Floats, Floats]], edges: Sequence[Sequence[int]], level: float
+) -> list[tuple[Stretch, ...]]:
+    """The stretches with their scales, intervals and corrected p-values."""
+    sums, dofs = [], []
+    for (values, dof), places in zip(pairs, edges, strict=True):
+        sums += np.add.reduceat(values, places[:-1]).tolist()
+        dofs += np.add.reduceat(dof, places[:-1]).tolist()
+    n, m = np.array(sums), np.array(dofs)
+    p = chisquare.two_sided(n, m)
+    low, high = n / chisquare.quantile(0.975, m), n / chisquare.quantile(0.025, m)
+    found, at = [], 0
+    for places in edges:
+        count = len(places) - 1
+        corrected = p[at : at + 1] if count == 1 else chisquare.holm(p[at : at + count])
+        found.append(
+            tuple(
+                _stretch(
+                    places[i],
+                    places[i + 1],
+                    sums[at + i],
+                    dofs[at + i],
+                    (float(low[at + i]), float(high[at + i])),
+                    float(corrected[i]),
+                    level,
+                )
+                for i in range(count)
+            )
+        )
+        at += count
+    return found
+
+
+def _stretch(
+    start: int,
+    stop: int,
+    total: float,
+    dof: float,
+    interval: tuple[float, float],
+    p_value: float,
+    level: float,
+) -> Stretch:
+    scale, label = total / dof, "consistent"
+    if p_value < level and scale > MATERIAL:
+        label = "high"
+    elif p_value < level and scale < 1 / MATERIAL:
+        label = "low"
+    return Stretch(start, stop, total, dof, scale, interval, p_value, label)
+
+
+def _drop_spikes(traces: Sequence[Trace]) -> None:
+    """A stretch that is high by its largest value alone is not high."""
+    for trace in traces:
+        if any(s.label == "high" for s in trace.stretches):
+            values, dof = trace.kept_values()
+            trace.stretches = tuple(_without_spike(s, values, dof) for s in trace.stretches)
+
+
+def _without_spike(stretch: Stretch, values: Floats, dof: Floats) -> Stretch:
+    if stretch.label != "high" or len(stretch) < 2:
+        return stretch
+    c, m = values[stretch.start : stretch.stop], dof[stretch.start : stretch.stop]
+    largest = int(np.argmax(c / m))
+    rest = chisquare.upper_tail(stretch.sum - c[largest], stretch.dof - m[largest])
+    if rest <= 0.05:
+        return stretch
+    return Stretch(
+        stretch.start,
+        stretch.stop,
+        stretch.sum,
+        stretch.dof,
+        stretch.scale,
+        stretch.interval,
+        stretch.p_value,
+        "consistent",
+        spike=True,
+    )
+
+
+LONGEST_END = 8
+# The tests of 1 to 8 values share values: at a level of 0.005 they are worth no more than 3.3
+# independent ones for 10 to 300 updates of 1 to 4 degrees of freedom (simulated), say 4.
+TESTS = 4.0
+
+
+def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) -> None:
+    """Is the beginning, or the end, too large against the rest and against chi-square itself?
+
+    Both an F test and a chi-square test of the first (last) 1 to 8 values, corrected for their
+    effective number: a cut needs two values and a strong gain, an end may show in fewer.
+    """
+    if not traces:
+        return
+    for reverse in (False, True):
+        p_values, lengths = _end_tests(pairs, reverse)
+        for trace, p, length in zip(traces, p_values, lengths, strict=True):
+            if reverse:
+                trace.end_p, trace.end_length = float(p), int(length)
+            else:
+                trace.start_p, trace.start_length = float(p), int(length)
+
+
+def _end_tests(pairs: Sequence[tuple[Floats, Floats]], reverse: bool) -> tuple[Floats, Integers]:
+    count = len(pairs)
+    n, m = np.zeros((count, LONGEST_END)), np.zeros((count, LONGEST_END))
+    total, dof, most = np.zeros((count, 1)), np.zeros((count, 1)), np.zeros(count, np.int64)
+    for i, (values, dofs) in enumerate(pairs):
+        most[i] = min(LONGEST_END, max(1, len(values) // 3))
+        total[i], dof[i] = values.sum(), dofs.sum()
+        ends = slice(None, -most[i] - 1, -1) if reverse else slice(most[i])
+        n[i, : most[i]] = np.cumsum(values[ends])
+        m[i, : most[i]] = np.cumsum(dofs[ends])
+    used = np.arange(LONGEST_END) < most[:, None]
+    n, m = np.where(used, n, 1.0), np.where(used, m, 1.0)
+    rest = np.maximum(total - n, 1e-300) / (dof - m)
+    p = np.maximum(chisquare.ratio_tail(n / m / rest, m, dof - m), chisquare.upper_tail(n, m))
+    p = np.where(used, p, 2.0)
+    best = np.argmin(p, axis=1)
+    corrected = p[np.arange(count), best] * np.minimum(most, TESTS)
+    return np.minimum(1.0, corrected), best + 1

@@ -1,0 +1,153 @@
+"""A diagnosis in plain English: one paragraph with its numbers."""
+
+from trackmetrics.diagnostics.results import (
+    Bias,
+    Outlier,
+    QuantityVerdict,
+    Segment,
+    StateDiagnosis,
+    TrackDiagnosis,
+)
+
+MEANINGS = {
+    "angle_wrap_bug": "its angles are not wrapped",
+    "late_divergence": "it diverges late",
+    "startup_then_consistent": "it starts badly and is honest afterwards",
+    "startup_then_pessimistic": "it starts badly and is pessimistic afterwards",
+    "biased": "it is biased",
+    "optimistic": "it is optimistic: its covariance is too small",
+    "transient": "it fails for a while and recovers",
+    "pessimistic": "it is pessimistic: its covariance is too large",
+    "partly_pessimistic": "it is pessimistic in part of the track",
+    "outliers": "it is honest apart from outliers",
+    "non_white": "its innovations are correlated in time",
+    "consistent": "it is consistent with its covariance",
+    "insufficient": "there is too little to judge it by",
+}
+
+
+def number(value: float) -> str:
+    """Three digits, without an exponent where that reads well."""
+    if value != value or value in (float("inf"), float("-inf")):
+        return str(value)
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        text = f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+        return text
+    return f"{value:.1e}"
+
+
+def when(time: float, unit: str) -> str:
+    """A time with its unit."""
+    text = f"{time:.0f}" if float(time).is_integer() else f"{time:.10g}"
+    return f"{text} {unit}".strip()
+
+
+def outliers_first(outliers: tuple[Outlier, ...], unit: str) -> str:
+    """How many outliers, and when."""
+    if not outliers:
+        return ""
+    shown = ", ".join(when(o.time, unit) for o in outliers[:3])
+    more = f" and {len(outliers) - 3} more" if len(outliers) > 3 else ""
+    many = "outliers" if len(outliers) > 1 else "outlier"
+    return f"{len(outliers)} {many} (at {shown}{more}) set aside."
+
+
+def quantity(verdict: QuantityVerdict, unit: str) -> str:
+    """A sentence or two on the NIS or the NEES."""
+    name = verdict.quantity.upper()
+    if verdict.verdict == "insufficient":
+        return f"{name}: {verdict.updates} values are too few to judge." if verdict.updates else ""
+    text = f"{name}: " + "; ".join(_segment(s, unit) for s in verdict.segments)
+    if verdict.onset_time is not None:
+        text += f"; the fault begins at {when(verdict.onset_time, unit)}"
+    if verdict.settle_time is not None:
+        text += f"; settled from {when(verdict.settle_time, unit)}"
+    if verdict.alarm_time is not None:
+        text += f"; an online monitor would have called at {when(verdict.alarm_time, unit)}"
+    return text + "."
+
+
+_SIDES = {"high": "too large", "low": "too small", "consistent": "as claimed"}
+
+
+def _segment(segment: Segment, unit: str) -> str:
+    low, high = segment.interval
+    start, stop = segment.start_time, segment.stop_time
+    begin = f"{start:.0f}" if float(start).is_integer() else f"{start:.10g}"
+    return (
+        f"{begin} to {when(stop, unit)} {_SIDES[segment.label]} "
+        f"(scale {number(segment.scale)} [{number(low)}, {number(high)}], "
+        f"p = {number(segment.p_value)})"
+    )
+
+
+def advice(settled: QuantityVerdict) -> str:
+    """What to multiply the covariance by, where the settled part is off."""
+    if not any(s.label != "consistent" for s in settled.segments):
+        return ""
+    low, high = settled.interval
+    if low <= 1.0 <= high:
+        return ""
+    what = "S" if settled.quantity == "nis" else "P"
+    return (
+        f"In the settled part the claimed {what} should be multiplied by "
+        f"{number(settled.scale)} [{number(low)}, {number(high)}]."
+    )
+
+
+def bias(found: Bias) -> str:
+    """One offset."""
+    where = f"{found.measurement_type} " if found.measurement_type else ""
+    what = "innovation" if found.kind == "innovation" else "error"
+    value = f"{number(found.value)} {found.unit}".strip()
+    return f"The mean {what} of {where}{found.component} is {value} (z = {number(found.z)})."
+
+
+def weakest_state(name: str | None, states: tuple[StateDiagnosis, ...]) -> str:
+    """The weakest state and why."""
+    if name is None:
+        return ""
+    state = next((s for s in states if s.state == name), None)
+    if state is None:
+        return f"The weakest state is {name}."
+    if state.share == state.share:
+        return f"The weakest state is {name}: {state.share:.0%} of the NEES where it fails."
+    if state.supported is False:
+        return f"The weakest state is {name}: no update supports it."
+    growth = number(state.peak_growth)
+    return f"The weakest state is {name}: its claimed deviation grew {growth} times."
+
+
+def coverage(record: TrackDiagnosis, unit: str) -> str:
+    """How many updates over what time, and the longest gap."""
+    many = "updates" if record.updates != 1 else "update"
+    text = f"{record.updates} {many}"
+    extra = [f"{record.tentative} without a NIS"] if record.tentative else []
+    if record.repeated:
+        extra.append(f"{record.repeated} repeated rows dropped")
+    if extra:
+        text += f" ({', '.join(extra)})"
+    if record.longest_gap_time is not None:
+        gap = when(record.longest_gap, unit)
+        text += f"; longest gap {gap}, from {when(record.longest_gap_time, unit)}"
+    return text + "."
+
+
+SCALED = ("startup_then_pessimistic", "optimistic", "pessimistic", "partly_pessimistic")
+"""Verdicts that a factor on the covariance answers."""
+
+
+def paragraph(record: TrackDiagnosis) -> str:
+    """The diagnosis of a track: outliers first, then what the quantities say, then why."""
+    unit, name = record.time_unit, record.verdict.replace("_", " ")
+    sentences = [f"{record.track}: {name}, {MEANINGS[record.verdict]}."]
+    sentences.append(outliers_first(record.outliers, unit))
+    sentences += [quantity(q, unit) for q in (record.nis, record.nees) if q is not None]
+    if record.verdict in SCALED:
+        sentences.append(advice(record.nees or record.nis))
+    if record.cause:
+        sentences.append(f"Probable cause: {record.cause}.")
+    sentences += [bias(b) for b in record.biases]
+    sentences.append(weakest_state(record.weakest_state, record.states))
+    sentences.append(coverage(record, unit))
+    return " ".join(s for s in [*sentences, *record.notes] if s)

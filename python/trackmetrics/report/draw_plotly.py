@@ -1,0 +1,365 @@
+"""Draws a scene for plotly: as a plain dictionary whose colours are roles still.
+
+``{"color": "@track-3/0.2"}`` is a role; :func:`coloured` puts a theme's colours in, in Python for
+a figure, in the browser for the page: so the page changes its theme without a second copy of the
+data.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from trackmetrics.report.marks import (
+    Band,
+    Bars,
+    Boxes,
+    Event,
+    Floats,
+    Level,
+    Line,
+    Mark,
+    Panel,
+    Points,
+    Scene,
+    Text,
+)
+from trackmetrics.report.scales import log_ticks, runs
+from trackmetrics.report.theme import Theme
+
+Json = dict[str, Any]
+_DIGITS = 4
+
+
+def draw(scene: Scene, theme: Theme) -> Any:
+    """A ``plotly.graph_objects.Figure``."""
+    from plotly.graph_objects import Figure
+
+    return Figure(coloured(figure(scene), theme))
+
+
+def coloured(value: Any, theme: Theme) -> Any:
+    """The same with the colours of a theme where there were roles."""
+    if isinstance(value, dict):
+        return {key: coloured(item, theme) for key, item in value.items()}
+    if isinstance(value, list):
+        return [coloured(item, theme) for item in value]
+    if isinstance(value, str) and value.startswith("@"):
+        return theme.css(value[1:])
+    return value
+
+
+def figure(scene: Scene) -> Json:
+    """The scene as plotly's data and layout, colours as roles."""
+    data: list[Json] = []
+    layout = _layout(scene)
+    first = next((i for i, panel in enumerate(scene.panels) if panel.linked), 0)
+    for i, panel in enumerate(scene.panels):
+        x, y = _axis_names(i)
+        layout[f"xaxis{x[1:]}"], layout[f"yaxis{y[1:]}"] = _axes(scene, panel, i, first)
+        layout["annotations"] += _title(scene, panel)
+        for mark in panel.marks:
+            _DRAW[type(mark)](_Target(panel, x, y, data, layout), mark)
+    return {"data": data, "layout": layout}
+
+
+class _Target:
+    """Where the marks of one panel go."""
+
+    def __init__(self, panel: Panel, x: str, y: str, data: list[Json], layout: Json) -> None:
+        self.panel, self.x, self.y, self.data, self.layout = panel, x, y, data, layout
+
+    def trace(self, mark: Any, **content: Any) -> None:
+        """Adds a trace."""
+        axes = {"xaxis": self.x, "yaxis": self.y, "type": "scatter"}
+        named = {
+            "name": mark.name,
+            "showlegend": self.panel.legend and isinstance(mark, (Line, Band)) and bool(mark.name),
+        }
+        self.data.append({**axes, **named, **content})
+
+    def annotation(self, **content: Any) -> None:
+        """Adds words."""
+        self.layout["annotations"].append({"showarrow": False, "xref": self.x, **content})
+
+    def shape(self, **content: Any) -> None:
+        """Adds a line or a rectangle."""
+        self.layout["shapes"].append({"layer": "below", **content})
+
+    def height(self, y: float) -> float:
+        """A value of the y axis as annotations want it; a zero lies below every logarithmic one."""
+        return float(np.log10(max(y, 1e-12))) if self.panel.log else y
+
+
+def numbers(values: Floats, log: bool = False) -> list[float | None]:
+    """Numbers as short as the eye can tell: four digits, on a linear axis those of the span."""
+    known = np.isfinite(values)
+    finite = values[known]
+    if log:
+        return [float(f"{v:.{_DIGITS}g}") if v == v else None for v in values.tolist()]
+    span = float(np.ptp(finite)) if finite.size else 0.0
+    span = span or float(np.abs(finite).max(initial=0.0)) or 1.0
+    short: list[float | None] = np.round(values, _DIGITS - int(np.floor(np.log10(span)))).tolist()
+    return short if known.all() else [v if v == v else None for v in short]
+
+
+def _axis_names(i: int) -> tuple[str, str]:
+    return (f"x{i + 1}", f"y{i + 1}") if i else ("x", "y")
+
+
+def _layout(scene: Scene) -> Json:
+    layout: Json = {
+        "width": scene.width,
+        "height": scene.height,
+        "margin": {"l": 0, "r": 0, "t": 0, "b": 0, "pad": 0},
+        "paper_bgcolor": "@surface",
+        "plot_bgcolor": "@surface",
+        "font": {"family": "system-ui, sans-serif", "size": 12, "color": "@muted"},
+        "hoverlabel": {
+            "bgcolor": "@page",
+            "bordercolor": "@edge",
+            "font": {"color": "@ink"},
+            "namelength": -1,
+        },
+        "hovermode": "closest",
+        "dragmode": "zoom",
+        "showlegend": any(panel.legend for panel in scene.panels),
+        "legend": _legend(scene),
+        "shapes": [],
+        "annotations": [],
+    }
+    for heading in scene.headings:
+        words = _words(scene, heading.left, heading.top, heading.text, 12, "@muted")
+        layout["annotations"].append({**words, "yanchor": "bottom"})
+    if scene.title:
+        left = scene.panels[0].place.left if scene.panels else 0.0
+        layout["annotations"] += [
+            _words(scene, left, 18, f"<b>{scene.title}</b>", 20, "@ink"),
+            _words(scene, left, 46, scene.subtitle, 13, "@muted"),
+        ]
+    return layout
+
+
+def _legend(scene: Scene) -> Json:
+    """Above the right end of the panel that has one."""
+    place = next((panel.place for panel in scene.panels if panel.legend), None)
+    if place is None:
+        return {}
+    return {
+        "orientation": "h",
+        "x": (place.left + place.width) / scene.width,
+        "xanchor": "right",
+        "y": 1 - (place.top - 2) / scene.height,
+        "yanchor": "bottom",
+        "font": {"size": 11.5, "color": "@ink"},
+        "bgcolor": "@surface/0",
+    }
+
+
+def _words(scene: Scene, left: float, top: float, text: str, size: float, colour: str) -> Json:
+    return {
+        "text": text,
+        "showarrow": False,
+        "xref": "paper",
+        "yref": "paper",
+        "x": left / scene.width,
+        "y": 1 - top / scene.height,
+        "xanchor": "left",
+        "yanchor": "top",
+        "align": "left",
+        "font": {"size": size, "color": colour},
+    }
+
+
+def _title(scene: Scene, panel: Panel) -> list[Json]:
+    if not panel.title:
+        return []
+    words = _words(scene, panel.place.left, panel.place.top - 4, panel.title, 12.5, "@ink")
+    return [{**words, "yanchor": "bottom"}]
+
+
+def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
+    place = panel.place
+    bottom = 1 - (place.top + place.height) / scene.height
+    common = {
+        "gridcolor": "@grid",
+        "linecolor": "@edge",
+        "showline": True,
+        "zeroline": False,
+        "tickfont": {"size": 11},
+        "ticks": "",
+    }
+    x: Json = {
+        **common,
+        "domain": [place.left / scene.width, (place.left + place.width) / scene.width],
+        "anchor": _axis_names(i)[1],
+        "showticklabels": bool(panel.x_label),
+        "title": {"text": panel.x_label, "standoff": 6, "font": {"size": 12}},
+    }
+    if panel.x_limits:
+        x["range"] = list(panel.x_limits)
+    if panel.linked and i != first:
+        x["matches"] = _axis_names(first)[0]
+    y = {
+        **common,
+        "domain": [bottom, bottom + place.height / scene.height],
+        "anchor": _axis_names(i)[0],
+        "title": {"text": panel.y_label, "standoff": 8, "font": {"size": 12}},
+        **_y_scale(panel),
+    }
+    return x, y
+
+
+def _y_scale(panel: Panel) -> Json:
+    scale: Json = {"type": "log" if panel.log else "linear"}
+    if panel.y_limits:
+        scale["range"] = [float(np.log10(v)) if panel.log else v for v in panel.y_limits]
+    ticks = panel.ticks
+    if ticks is None and panel.log and panel.y_limits:
+        ticks = tuple(log_ticks(panel.y_limits))
+    if ticks is not None:
+        scale |= {"tickvals": [v for v, _ in ticks], "ticktext": [name for _, name in ticks]}
+    elif panel.place.height < 150:
+        scale["nticks"] = 5
+    return scale
+
+
+def _hover(target: _Target, name: str) -> str:
+    unit = f" {target.panel.x_unit}".rstrip()
+    return f"%{{x:.4g}}{unit}<br>%{{y:.4g}}<extra>{name}</extra>"
+
+
+def _line(target: _Target, mark: Line) -> None:
+    line = {"color": f"@{mark.colour}", "width": mark.width, "dash": mark.dash}
+    if mark.steps:
+        line["shape"] = "hv"
+    target.trace(
+        mark,
+        mode="lines",
+        x=numbers(mark.x),
+        y=numbers(mark.y, target.panel.log),
+        line=line,
+        **({"hovertemplate": _hover(target, mark.name)} if mark.name else {"hoverinfo": "skip"}),
+    )
+
+
+def _points(target: _Target, mark: Points) -> None:
+    outline = {"color": f"@{mark.colour}" if mark.hollow else "@surface"}
+    target.trace(
+        mark,
+        mode="markers",
+        x=numbers(mark.x),
+        y=numbers(mark.y, target.panel.log),
+        marker={
+            "symbol": mark.symbol + ("-open" if mark.hollow else ""),
+            "size": mark.size,
+            "color": f"@{mark.colour}",
+            "line": {**outline, "width": 1.3 if mark.hollow else 0.5},
+        },
+        hovertemplate=_hover(target, mark.name),
+        cliponaxis=False,
+    )
+
+
+def _area(target: _Target, mark: Band | Boxes, x: list[Any], y: list[Any]) -> None:
+    target.trace(
+        mark,
+        mode="lines",
+        x=x,
+        y=y,
+        fill="toself",
+        fillcolor=f"@{mark.colour}",
+        line={"width": 0},
+        hoverinfo="skip",
+    )
+
+
+def _band(target: _Target, mark: Band) -> None:
+    """The outline of each unbroken stretch: along the upper side, back along the lower."""
+    xs: list[float | None] = []
+    ys: list[float | None] = []
+    x, high, low = numbers(mark.x), _short(target, mark.high), _short(target, mark.low)
+    for part in runs(mark.x, mark.low, mark.high):
+        gap: list[None] = [None] if xs else []
+        xs += [*gap, *x[part], *x[part][::-1]]
+        ys += [*gap, *high[part], *low[part][::-1]]
+    _area(target, mark, xs, ys)
+
+
+def _boxes(target: _Target, mark: Boxes) -> None:
+    xs: list[float | None] = []
+    ys: list[float | None] = []
+    sides = (numbers(mark.left), numbers(mark.right))
+    edges = (_short(target, mark.low), _short(target, mark.high))
+    for a, b, c, d in zip(*sides, *edges, strict=True):
+        gap: list[None] = [None] if xs else []
+        xs += [*gap, a, b, b, a, a]
+        ys += [*gap, c, c, d, d, c]
+    _area(target, mark, xs, ys)
+
+
+def _bars(target: _Target, mark: Bars) -> None:
+    x = _with_gaps(numbers(mark.x), numbers(mark.x))
+    y = _with_gaps(_short(target, mark.low), _short(target, mark.high))
+    line = {"color": f"@{mark.colour}", "width": mark.width}
+    target.trace(mark, mode="lines", x=x, y=y, line=line, hoverinfo="skip")
+
+
+def _short(target: _Target, values: Floats) -> list[float | None]:
+    return numbers(values, target.panel.log)
+
+
+def _with_gaps(low: Sequence[float | None], high: Sequence[float | None]) -> list[float | None]:
+    return [value for pair in zip(low, high, strict=True) for value in (*pair, None)]
+
+
+def _level(target: _Target, mark: Level) -> None:
+    across = {"xref": f"{target.x} domain", "yref": target.y, "x0": 0, "x1": 1, "y0": mark.y}
+    if mark.top is None:
+        line = {"color": f"@{mark.colour}", "width": 1, "dash": mark.dash}
+        target.shape(type="line", y1=mark.y, line=line, **across)
+    else:
+        fill = f"@{mark.colour}"
+        target.shape(type="rect", y1=mark.top, fillcolor=fill, line={"width": 0}, **across)
+
+
+def _event(target: _Target, mark: Event) -> None:
+    ends = {"x0": mark.x, "x1": mark.x, "y0": 0, "y1": 1}
+    line = {"color": f"@{mark.colour}", "width": 1.4, "dash": mark.dash}
+    target.shape(type="line", xref=target.x, yref=f"{target.y} domain", line=line, **ends)
+    target.annotation(
+        text=mark.label,
+        x=mark.x,
+        y=1,
+        yref=f"{target.y} domain",
+        xanchor="right" if mark.left else "left",
+        yanchor="top",
+        yshift=-14 * mark.row,
+        font={"size": 11, "color": f"@{mark.colour}"},
+    )
+
+
+def _text(target: _Target, mark: Text) -> None:
+    target.annotation(
+        text=f"<b>{mark.text}</b>" if mark.bold else mark.text,
+        x=mark.x,
+        y=target.height(mark.y),
+        yref=target.y,
+        xanchor=mark.anchor,
+        yanchor="bottom" if mark.above else "middle",
+        bgcolor="@surface/0.75",
+        borderpad=0,
+        font={"size": 11.5, "color": f"@{mark.colour}"},
+    )
+
+
+_DRAW: dict[type[Mark], Callable[[_Target, Any], None]] = {
+    Band: _band,
+    Bars: _bars,
+    Boxes: _boxes,
+    Event: _event,
+    Level: _level,
+    Line: _line,
+    Points: _points,
+    Text: _text,
+}

@@ -1,0 +1,46 @@
+"""The vessel estimator: five states, AIS and positions, many vessels, simulated and real.
+
+>>> from trackmetrics import vessel
+>>> log = vessel.three_ships(seed=0).track()
+>>> log.tracks
+('MV Iron Falcon2', 'SS Iron Aurora1', 'SS Northern Star0')
+"""
+
+from trackmetrics.vessel.holdout import HeldOut, predictive_nis
+from trackmetrics.vessel.model import KINDS, STATES, Noise, Settings
+from trackmetrics.vessel.reading import Recording, SetAside, decimated, read_ais, screen
+from trackmetrics.vessel.reports import Reports
+from trackmetrics.vessel.scenario import (
+    THREE_SHIPS,
+    Ship,
+    Simulation,
+    Turn,
+    fleet,
+    simulate,
+    three_ships,
+)
+from trackmetrics.vessel.tracker import Tracker, VesselTrack
+
+__all__ = [
+    "KINDS",
+    "STATES",
+    "THREE_SHIPS",
+    "HeldOut",
+    "Noise",
+    "Recording",
+    "Reports",
+    "SetAside",
+    "Settings",
+    "Ship",
+    "Simulation",
+    "Tracker",
+    "Turn",
+    "VesselTrack",
+    "decimated",
+    "fleet",
+    "predictive_nis",
+    "read_ais",
+    "screen",
+    "simulate",
+    "three_ships",
+]

@@ -1,0 +1,151 @@
+"""What the estimator assumes: its states, how well things are measured, how a vessel moves."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmetrics import errors
+from trackmetrics.diagnostics import State
+
+Floats = NDArray[np.float64]
+
+STATES = (
+    State("lat", "deg"),
+    State("lon", "deg", 360.0),
+    State("sog", "kt"),
+    State("cog", "deg", 360.0),
+    State("turn_rate", "deg/s"),
+)
+"""The five states: latitude, longitude, speed and course over ground, turn rate."""
+
+KINDS = ("AIS", "AIS without course", "truncated AIS", "position")
+"""The kinds of report; a report holds the index of its kind."""
+
+OBSERVED = np.array([4, 3, 2, 2], np.int64)
+"""How many of the leading states each kind measures."""
+
+SLOW = 1.0
+"""Speed in knots below which a course over ground says nothing."""
+
+EARTH = 6_371_008.8
+"""Mean radius of the Earth in metres (IUGG), for distances between reports."""
+
+
+def _positive(name: str, value: Any) -> None:
+    if not 0 < value < np.inf:
+        raise errors.parameter(name, "positive and finite", value)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of one kind of report."""
+
+    position: float
+    """Of the position, in metres, in each direction."""
+    speed: float = 1.0
+    """Of the speed, in knots; not used where the kind has none."""
+    course: float = 5.0
+    """Of the course, in degrees; not used where the kind has none."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is not positive."""
+        for f in fields(self):
+            _positive(f.name, getattr(self, f.name))
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a filter assumes. The defaults are honest for a cargo ship at sea with good AIS.
+
+    AIS position accuracy flag 1 stands for better than 10 m; speed comes in steps of 0.1 kt, course
+    in steps of 0.1 deg (ITU-R M.1371-5, messages 1 to 3).
+
+    >>> Settings(turn_density=1e-7).motion
+    (0.0001, 1e-07, 0.0, inf)
+    """
+
+    ais: Noise = Noise(10.0, 0.3, 1.5)
+    """Of AIS reports with speed, with or without course."""
+    truncated_ais: Noise = Noise(30.0)
+    """Of AIS reports of which only the position is used."""
+    position: Noise = Noise(60.0)
+    """Of positions from another sensor."""
+    acceleration_density: float = 1e-4
+    """Power spectral density of the acceleration along the track, m^2/s^3."""
+    turn_density: float = 2e-9
+    """Power spectral density of the turn acceleration, (deg/s)^2/s."""
+    course_density: float = 0.0
+    """Power spectral density of a random walk of the course, deg^2/s."""
+    turn_rate_decay: float = np.inf
+    """Time constant with which a turn rate decays, in seconds; infinite: it stays."""
+    turn_rate_std: float = 0.02
+    """Standard deviation of the turn rate of a new track, deg/s."""
+    tentative: int = 2
+    """How many reports a track stays tentative: without NIS."""
+    placeholders: bool = False
+    """Whether a new track takes what it does not know for known: speed 0, course 360."""
+    coast_after: float = 600.0
+    """After how many seconds without a report a track coasts."""
+    delete_after: float = 3600.0
+    """After how many seconds without a report a track ends."""
+    max_speed: float = 60.0
+    """Speed in knots that no vessel has."""
+    gate: float = 0.999
+    """Share of its own positions that falls into the gate of a track."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no filter can run with."""
+        for name in ("acceleration_density", "turn_density", "course_density"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise errors.parameter(name, "at least 0 and finite", getattr(self, name))
+        for name in ("turn_rate_decay", "coast_after", "delete_after", "tentative"):
+            if not getattr(self, name) > 0:
+                raise errors.parameter(name, "positive", getattr(self, name))
+        for name in ("turn_rate_std", "max_speed"):
+            _positive(name, getattr(self, name))
+        if not 0 < self.gate < 1:
+            raise errors.parameter("gate", "between 0 and 1", self.gate)
+
+    @classmethod
+    def harbour(cls) -> "Settings":
+        """For traffic that manoeuvres: ferries, pilots, yachts.
+
+        Turn rates decay within half a minute. The densities are those with which the median vessel
+        under way of an hour of AIS from the Solent, one report a minute, has a NIS as claimed; no
+        one setting is honest for a tanker and for a hovercraft.
+        """
+        return cls(
+            ais=Noise(10.0, 0.3, 3.0),
+            acceleration_density=1e-2,
+            turn_density=1e-2,
+            turn_rate_decay=30.0,
+            turn_rate_std=0.1,
+        )
+
+    @property
+    def motion(self) -> tuple[float, float, float, float]:
+        """The motion as kernels take it."""
+        along, turn = float(self.acceleration_density), float(self.turn_density)
+        return along, turn, float(self.course_density), float(self.turn_rate_decay)
+
+    @property
+    def rules(self) -> tuple[int, float, bool, float]:
+        """The rules of a track's life as kernels take them."""
+        start = (int(self.tentative), float(self.turn_rate_std), bool(self.placeholders))
+        return (*start, float(self.delete_after))
+
+    @property
+    def sigmas(self) -> Floats:
+        """``(4, 3)``: position, speed and course deviation of each kind."""
+        noises = (self.ais, self.ais, self.truncated_ais, self.position)
+        return np.array([[n.position, n.speed, n.course] for n in noises])
+
+
+def metres_between(lat0: Any, lon0: Any, lat1: Any, lon1: Any) -> Any:
+    """Great-circle distance in metres between points in degrees (haversine), element by element."""
+    phi0, phi1 = np.radians(lat0), np.radians(lat1)
+    half = np.sin((phi1 - phi0) / 2) ** 2
+    half = half + np.cos(phi0) * np.cos(phi1) * np.sin(np.radians(np.subtract(lon1, lon0)) / 2) ** 2
+    return 2 * EARTH * np.arcsin(np.sqrt(np.minimum(half, 1.0)))

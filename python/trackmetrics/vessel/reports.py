@@ -1,0 +1,126 @@
+"""Reports of vessels: a table, one row each, whatever they came from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmetrics.vessel.model import KINDS, OBSERVED, SLOW, Floats
+
+NO_SPEED = 102.3
+"""What AIS sends for "speed not available" (1023 in steps of 0.1 kt)."""
+NO_COURSE = 360.0
+"""What AIS sends for "course not available"."""
+
+
+@dataclass(frozen=True)
+class Reports:
+    """Reports in the order in which they came.
+
+    >>> Reports.from_columns(time=[0, 10], lat=[50.0, 50.1], lon=[-1, -1], sog=[12, 12],
+    ...                      cog=[90.0, 360.0], vessel=["235070762", "235070762"]).kinds
+    ('AIS', 'truncated AIS')
+    """
+
+    time: Floats
+    """Seconds."""
+    vessel: NDArray[np.object_]
+    """Name or MMSI as text, None for a position without identity."""
+    kind: NDArray[np.int64]
+    """Index into :data:`KINDS`."""
+    z: Floats
+    """``(n, 4)``: latitude, longitude (deg), speed (kt), course (deg); NaN for what is not used."""
+
+    @classmethod
+    def from_columns(
+        cls, *, time: Any, lat: Any, lon: Any, sog: Any = None, cog: Any = None, vessel: Any = None
+    ) -> "Reports":
+        """Reports from columns; each kind follows from what is there.
+
+        Parameters
+        ----------
+        time : array_like, shape (n,)
+            Seconds.
+        lat, lon : array_like, shape (n,)
+            Degrees.
+        sog, cog : array_like, shape (n,), optional
+            Knots and degrees; NaN, 102.3 kt and 360 deg stand for "not available", and such a
+            report counts as truncated AIS. Below 1 kt the course is not used.
+        vessel : sequence of str or None, optional
+            Name or MMSI; reports without one are positions without identity.
+
+        Raises
+        ------
+        ValueError
+            Where lengths differ.
+        """
+        columns = [_column("time", time, None)]
+        n = len(columns[0])
+        for name, values in (("lat", lat), ("lon", lon), ("sog", sog), ("cog", cog)):
+            columns.append(_column(name, values, n))
+        names = _names(vessel, n)
+        z = np.stack(columns[1:], axis=1)
+        kind = _kinds(z[:, 2], z[:, 3], names != None)  # noqa: E711 - element by element
+        z[np.arange(4) >= OBSERVED[kind][:, None]] = np.nan
+        return cls(columns[0], names, kind, z)
+
+    @classmethod
+    def concatenate(cls, parts: Sequence["Reports"]) -> "Reports":
+        """Reports of several tables, one after the other."""
+        return cls(
+            np.concatenate([np.empty(0), *(p.time for p in parts)]),
+            np.concatenate([np.empty(0, object), *(p.vessel for p in parts)]),
+            np.concatenate([np.empty(0, np.int64), *(p.kind for p in parts)]),
+            np.concatenate([np.empty((0, 4)), *(p.z for p in parts)]),
+        )
+
+    def take(self, rows: Any) -> "Reports":
+        """These reports."""
+        return Reports(self.time[rows], self.vessel[rows], self.kind[rows], self.z[rows])
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.time)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kind of each, by name."""
+        return tuple(KINDS[k] for k in self.kind)
+
+    @property
+    def vessels(self) -> tuple[str, ...]:
+        """Every identity, in the order in which they first appear."""
+        return tuple(dict.fromkeys(v for v in self.vessel if v is not None))
+
+    def __repr__(self) -> str:
+        """How many of what."""
+        return f"Reports({len(self)} reports, {len(self.vessels)} identities)"
+
+
+def _column(name: str, values: Any, n: int | None) -> Floats:
+    column = np.full(n or 0, np.nan) if values is None else np.array(values, np.float64)
+    if column.ndim != 1:
+        raise ValueError(f"{name} has shape {column.shape}, expected (n,)")
+    if n is not None and len(column) != n:
+        raise ValueError(f"{name} has {len(column)} reports, time has {n}")
+    return column
+
+
+def _names(vessel: Any, n: int) -> NDArray[np.object_]:
+    names = np.empty(n, object)
+    if vessel is not None:
+        listed = list(vessel)
+        if len(listed) != n:
+            raise ValueError(f"vessel has {len(listed)} reports, time has {n}")
+        names[:] = [None if v is None else str(v) for v in listed]
+    return names
+
+
+def _kinds(sog: Floats, cog: Floats, named: Any) -> NDArray[np.int64]:
+    speed = np.isfinite(sog) & (sog < NO_SPEED) & (sog >= 0)
+    course = np.isfinite(cog) & (cog < NO_COURSE) & (cog >= 0)
+    moving = np.where(sog < SLOW, 1, 0)
+    kind = np.where(speed & course, moving, 2)
+    return np.where(named, kind, 3).astype(np.int64)

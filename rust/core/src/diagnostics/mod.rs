@@ -1,0 +1,8 @@
+//! The hot parts of a diagnosis: where a scale changes, what a change must exceed to count, how
+//! long an error is remembered, and which state it sits in.
+
+pub mod attribution;
+pub mod best_split;
+pub mod inflation;
+mod likelihood;
+pub mod segmentation;

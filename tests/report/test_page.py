@@ -1,0 +1,149 @@
+"""The page: one file that holds everything, parsed and unpacked as a browser would."""
+
+import base64
+import gzip
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from trackmetrics import report
+from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.report import theme
+
+MEGABYTE = 1e6
+VOID = {"meta", "link", "input", "br", "rect"}
+
+
+class Document(HTMLParser):
+    """Checks that elements nest, and collects them with their text."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.stack, self.elements, self.unclosed = [], [], []
+        self.feed(html)
+        self.close()
+
+    def handle_starttag(self, tag, attributes):
+        element = (tag, dict(attributes), [])
+        self.elements.append(element)
+        if tag not in VOID:
+            self.stack.append(element)
+
+    def handle_endtag(self, tag):
+        if tag == "rect":
+            return
+        if not self.stack or self.stack[-1][0] != tag:
+            self.unclosed.append(tag)
+        else:
+            self.stack.pop()
+
+    def handle_data(self, data):
+        for element in self.stack:
+            element[2].append(data)
+
+    def find(self, tag, **attributes):
+        wanted = {k.replace("_", "-"): v for k, v in attributes.items()}
+        return [e for e in self.elements if e[0] == tag and wanted.items() <= e[1].items()]
+
+
+def unpacked(document, name):
+    """The JSON content of one of the page's parts."""
+    (element,) = document.find("script", id=name)
+    return json.loads(gzip.decompress(base64.b64decode("".join(element[2]))))
+
+
+@pytest.fixture(scope="module")
+def html(small):
+    return report.page(small[1], small[0], title="Four <vessels> & a page")
+
+
+@pytest.fixture(scope="module")
+def document(html):
+    return Document(html)
+
+
+def test_it_is_well_formed_and_alone(html, document):
+    assert html.startswith("<!doctype html>")
+    assert document.stack == []
+    assert document.unclosed == []
+    assert not re.search(r"(src|href)=[\"']?(https?:)?//", html)
+    assert not re.search(r"@import|url\((?!data:)", html)
+    assert "Four &lt;vessels&gt; &amp; a page" in html
+
+
+def test_it_brings_plotly_with_its_licence(html, document):
+    (element,) = document.find("script", id="plotly")
+    code = gzip.decompress(base64.b64decode("".join(element[2]))).decode()
+    assert "Plotly" in code
+    assert "Copyright 2012" in html
+    assert "MIT license" in html
+
+
+def test_the_overview_is_sorted_by_severity(small, document):
+    rows = [e[1] for e in document.find("tr") if "data-verdict" in e[1]]
+    wanted = [(track.track, track.verdict) for track in small[1].by_severity()]
+    assert [(row["data-name"], row["data-verdict"]) for row in rows] == wanted
+    text = " ".join("".join(document.find("table", id="overview")[0][2]).split())
+    assert "late divergence" in text
+    assert "turn_rate" in text
+    assert "NIS from 124 min" in text
+    assert small[1]["vessel 001"].text in text
+
+
+def test_there_are_tables_for_those_who_do_not_see_figures(document):
+    assert len(document.find("caption")) > 8
+    for figure in (e for e in document.elements if e[1].get("role") == "img"):
+        assert figure[1]["aria-label"]
+    columns = unpacked(document, "data-0")["updates"]
+    assert {"minute", "measurement type", "status", "NIS", "dof", "NEES"} == set(columns)
+    assert {len(values) for values in columns.values()} == {60}
+
+
+def test_every_part_unpacks_to_figures_that_plotly_accepts(small, document):
+    import plotly.graph_objects as go
+
+    for index, track in enumerate(small[1].by_severity()):
+        part = unpacked(document, f"data-{index}")
+        from trackmetrics.report.draw_plotly import coloured
+
+        figure = go.Figure(coloured(part["sheet"], theme.LIGHT))
+        assert figure.layout.xaxis3.title.text == "minutes since start"
+        assert all(trace["name"] == track.track for trace in part["comparison"])
+        points = [t for t in part["comparison"] if t["yaxis"] == "y" and t["mode"] == "markers"]
+        drawn = np.sort([v for t in points for v in t["y"]])
+        rows = small[0][track.track]
+        nis = np.sort((rows.nis / rows.nis_dof)[np.isfinite(rows.nis)])
+        np.testing.assert_allclose(drawn, nis, rtol=1e-3)
+
+
+def test_both_themes_are_in_it(html):
+    for chosen in theme.THEMES:
+        for role, colour in chosen.colours.items():
+            assert f"--{role}: {colour};" in html
+    assert "prefers-color-scheme: dark" in html
+
+
+def test_a_hundred_tracks_are_below_ten_megabytes(fleet):
+    html = report.page(fleet[1], fleet[0])
+    assert len(html.encode()) < 8 * MEGABYTE
+    document = Document(html)
+    assert len(document.find("input", type="checkbox")) == 100
+    checked = [e for e in document.find("input", type="checkbox") if "checked" in e[1]]
+    assert len(checked) == 8
+    assert len([e for e in document.find("details") if "open" in e[1]]) == 1
+
+
+def test_the_same_diagnosis_gives_the_same_file(small, html, tmp_path):
+    path = tmp_path / "out.html"
+    report.write_page(path, small[1], small[0], title="Four <vessels> & a page")
+    assert path.read_text(encoding="utf-8") == html
+
+
+def test_without_a_log_and_without_tracks(small):
+    assert "late divergence" in report.page(small[1])
+    empty = report.page(Diagnosis((), ("the log looks odd <",)))
+    assert "0 tracks" in empty
+    assert "the log looks odd &lt;" in empty
