@@ -14,6 +14,13 @@ import trackmetrics
 from trackmetrics import _native, _numpy, gospa, ospa, ospa_assignment
 
 
+@pytest.fixture(autouse=True)
+def _native_backend():
+    """The twins are the dense definition and refuse what is large."""
+    with trackmetrics.use_backend("native"):
+        yield
+
+
 def dense(x, y, c, p):
     """Costs and near pairs of the least total, over the matrix of all pairs."""
     squares = sum((a[:, None] - b) ** 2 for a, b in zip(x.T, y.T, strict=True))
