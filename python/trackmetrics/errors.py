@@ -89,6 +89,13 @@ def not_a_matrix(axes: int) -> ValueError:
     return ValueError(f"expected a matrix (2-D array), got a {axes} array")
 
 
+def memory(pairs: int, size: int) -> ValueError:
+    """More pairs of points than fit into memory."""
+    return ValueError(
+        f"{pairs} pairs of points would take {size} bytes: take a smaller c or fewer points"
+    )
+
+
 def steps(argument: str, index: int) -> ValueError:
     """The steps of a trajectory do not rise."""
     return ValueError(f"{argument}[{index}]: steps must rise")

@@ -7,10 +7,14 @@ from trackmetrics._numpy.arguments import Floats, finite, plain, plain_points
 
 EARTH_RADIUS = 6_371_008.8
 SYMMETRY = 1e-8
+LARGEST = 1 << 24
+"""Pairs of points that the twins take: they are the definition over a matrix of all of them."""
 
 
 def squares(x: Floats, y: Floats) -> Floats:
     """Squared Euclidean distances, axis after axis as in the core."""
+    if len(x) * len(y) > LARGEST:
+        raise errors.memory(len(x) * len(y), 8 * len(x) * len(y))
     sums = np.zeros((len(x), len(y)))
     if sums.size:
         with np.errstate(over="ignore", under="ignore"):

@@ -124,6 +124,13 @@ pub enum Error {
         /// How many points there are.
         points: usize,
     },
+    /// More pairs of points than fit into memory.
+    Memory {
+        /// How many pairs.
+        pairs: usize,
+        /// How many bytes they would take.
+        bytes: usize,
+    },
     /// The steps of a trajectory do not rise.
     Steps {
         /// The argument's name.
@@ -188,6 +195,10 @@ impl fmt::Display for Error {
             Self::Offsets { argument, points } => {
                 write!(f, "{argument}: starts must rise from 0 to {points}, the number of points")
             }
+            Self::Memory { pairs, bytes } => write!(
+                f,
+                "{pairs} pairs of points would take {bytes} bytes: take a smaller c or fewer points"
+            ),
             Self::Steps { argument, index } => write!(f, "{argument}[{index}]: steps must rise"),
             Self::InvalidCosts => write!(f, "matrix contains invalid numeric entries"),
             Self::Infeasible => write!(f, "cost matrix is infeasible"),

@@ -2,11 +2,13 @@
 
 use crate::convert::{Floats, FrameSequence, PointSet};
 use crate::error::raise;
+use crate::interrupt::detached;
 use crate::results::ospa_result;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::cell::RefCell;
+use trackmetrics_core::interrupt::Interrupt;
 use trackmetrics_core::point_sets::gospa::{self as gospa_kernel, Gospa};
 use trackmetrics_core::point_sets::ospa::{self as ospa_kernel, Workspace};
 use trackmetrics_core::point_sets::{distances, pairs::Pair, sets::Distances};
@@ -28,20 +30,24 @@ type Columns<'py> = (Vec<Bound<'py, PyArray1<f64>>>, Vec<Bound<'py, PyArray1<i64
 /// The fields of a `Gospa`, in their order.
 type GospaParts = (f64, f64, f64, f64, usize, usize);
 
-/// Runs a kernel with this thread's workspace, detached from the interpreter where the smaller set
-/// has many coordinates.
+/// Runs a kernel with this thread's workspace, detached from the interpreter and open to signals
+/// where the smaller set has many coordinates.
 fn run<T: Send>(
     py: Python<'_>,
     size: usize,
-    kernel: impl FnOnce(&mut Workspace) -> Result<T> + Send,
+    kernel: impl FnOnce(&mut Workspace, &Interrupt<'_>) -> Result<T> + Send,
 ) -> PyResult<T> {
-    let compute = || {
+    let compute = |interrupt: &Interrupt<'_>| {
         let mut work = WORK.take();
-        let result = kernel(&mut work);
+        let result = kernel(&mut work, interrupt);
         WORK.set(work);
         result
     };
-    if size < WORTH_DETACHING { compute() } else { py.detach(compute) }.map_err(raise)
+    if size < WORTH_DETACHING {
+        compute(&Interrupt::never()).map_err(raise)
+    } else {
+        detached(py, compute)
+    }
 }
 
 fn smaller(x: &PointSet, y: &PointSet) -> usize {
@@ -58,8 +64,8 @@ pub(crate) fn ospa<'py>(
     p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
-    let result = run(py, smaller(&x, &y), |work| {
-        ospa_kernel::ospa(x.points("X")?, y.points("Y")?, c, p, work)
+    let result = run(py, smaller(&x, &y), |work, interrupt| {
+        ospa_kernel::ospa(x.points("X")?, y.points("Y")?, c, p, work, interrupt)
     })?;
     ospa_result(py, result)
 }
@@ -74,10 +80,10 @@ pub(crate) fn ospa_over_time<'py>(
     p: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
-    let output = run(py, x.size().min(y.size()), |_| {
+    let output = run(py, x.size().min(y.size()), |_, interrupt| {
         let (x, y) = (x.frames("X_sequence")?, y.frames("Y_sequence")?);
         let mut output = vec![0.0; x.len()];
-        ospa_kernel::ospa_over_time(x, y, c, p, &mut output)?;
+        ospa_kernel::ospa_over_time(x, y, c, p, &mut output, interrupt)?;
         Ok(output)
     })?;
     Ok(PyArray1::from_vec(py, output))
@@ -91,8 +97,8 @@ pub(crate) fn ospa_from_distances<'py>(
     c: f64,
     p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let result = run(py, distances.values.len(), |work| {
-        ospa_kernel::ospa_from_distances(given(&distances)?, c, p, work)
+    let result = run(py, distances.values.len(), |work, interrupt| {
+        ospa_kernel::ospa_from_distances(given(&distances)?, c, p, work, interrupt)
     })?;
     ospa_result(py, result)
 }
@@ -107,8 +113,8 @@ pub(crate) fn ospa_assignment<'py>(
     p: f64,
 ) -> PyResult<Pairs<'py>> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
-    let pairs = run(py, smaller(&x, &y), |work| {
-        ospa_kernel::ospa_assignment(x.points("X")?, y.points("Y")?, c, p, work)
+    let pairs = run(py, smaller(&x, &y), |work, interrupt| {
+        ospa_kernel::ospa_assignment(x.points("X")?, y.points("Y")?, c, p, work, interrupt)
     })?;
     indices(py, &pairs)
 }
@@ -124,9 +130,10 @@ pub(crate) fn gospa<'py>(
     alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
-    let (result, pairs) = run(py, smaller(&x, &y), |work| {
+    let (result, pairs) = run(py, smaller(&x, &y), |work, interrupt| {
         let (x, y, mut pairs) = (x.points("X")?, y.points("Y")?, Vec::new());
-        gospa_kernel::gospa(x, y, (c, p, alpha), work, &mut pairs).map(|result| (result, pairs))
+        gospa_kernel::gospa(x, y, (c, p, alpha), work, &mut pairs, interrupt)
+            .map(|result| (result, pairs))
     })?;
     Ok((fields(&result), indices(py, &pairs)?))
 }
@@ -140,9 +147,9 @@ pub(crate) fn gospa_from_distances<'py>(
     p: f64,
     alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
-    let (result, pairs) = run(py, distances.values.len(), |work| {
+    let (result, pairs) = run(py, distances.values.len(), |work, interrupt| {
         let (sets, mut pairs) = (given(&distances)?, Vec::new());
-        gospa_kernel::gospa_from_distances(sets, (c, p, alpha), work, &mut pairs)
+        gospa_kernel::gospa_from_distances(sets, (c, p, alpha), work, &mut pairs, interrupt)
             .map(|result| (result, pairs))
     })?;
     Ok((fields(&result), indices(py, &pairs)?))
@@ -159,10 +166,10 @@ pub(crate) fn gospa_over_time<'py>(
     alpha: f64,
 ) -> PyResult<Columns<'py>> {
     let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
-    let output = run(py, x.size().min(y.size()), |_| {
+    let output = run(py, x.size().min(y.size()), |_, interrupt| {
         let (x, y) = (x.frames("X_sequence")?, y.frames("Y_sequence")?);
         let mut output = vec![Gospa::default(); x.len()];
-        gospa_kernel::gospa_over_time(x, y, (c, p, alpha), &mut output)?;
+        gospa_kernel::gospa_over_time(x, y, (c, p, alpha), &mut output, interrupt)?;
         Ok(output)
     })?;
     let parts: [fn(&Gospa) -> f64; 4] =

@@ -6,6 +6,7 @@ pub mod bottleneck;
 mod columns;
 pub mod dense;
 mod paths;
+pub mod sparse;
 mod start;
 mod unique;
 

@@ -6,22 +6,26 @@
 //! number of pairs is never chosen.
 
 use super::cutoff::Cutoff;
+use super::near::check_memory;
 use super::ospa::Ospa;
 use super::sets::Sets;
-use crate::assignment::{bottleneck, dense};
+use crate::assignment::bottleneck;
+use crate::assignment::dense::{self, Goal};
 use crate::error::Result;
+use crate::interrupt::Interrupt;
 
 /// OSPA of two sets, not more rows than columns and at least one, at any order and any scale.
 #[cold]
-pub(super) fn ospa(sets: impl Sets, cutoff: &Cutoff) -> Result<Ospa> {
+pub(super) fn ospa(sets: impl Sets, cutoff: &Cutoff, interrupt: &Interrupt<'_>) -> Result<Ospa> {
     let (m, n) = sets.sizes();
+    check_memory(m, n)?;
     let mut distances = truncated_distances(sets, cutoff.c());
-    let unit = bottleneck::solve(&distances, m, n, &mut Default::default())?.0;
+    let unit = bottleneck::solve_until(&distances, m, n, interrupt, &mut Default::default())?.0;
     let total = if unit == 0.0 || cutoff.p() == f64::INFINITY {
         (unit > 0.0).into()
     } else {
         distances.iter_mut().for_each(|d| *d = (*d / unit).powf(cutoff.p()).min(2.0 * n as f64));
-        least_total(&distances, m, n)?
+        least_total(&distances, m, n, interrupt)?
     };
     Ok(combine(unit, total, m, n, cutoff))
 }
@@ -44,8 +48,8 @@ fn truncated_distances(sets: impl Sets, c: f64) -> Vec<f64> {
     pairs.map(|(i, j)| sets.distance(i, j).min(c).min(f64::MAX)).collect()
 }
 
-fn least_total(costs: &[f64], m: usize, n: usize) -> Result<f64> {
+fn least_total(costs: &[f64], m: usize, n: usize, interrupt: &Interrupt<'_>) -> Result<f64> {
     let mut work = dense::Workspace::default();
-    let columns = dense::solve(costs, m, n, &mut work)?;
+    let columns = dense::solve_until(costs, m, n, Goal::Least, interrupt, &mut work)?;
     Ok(columns.iter().enumerate().map(|(i, j)| costs[i * n + j]).sum())
 }

@@ -20,10 +20,11 @@
 //! Ties: see `pairs`.
 
 use super::cutoff::Cutoff;
-use super::ospa::{Workspace, check_sequences, euclidean, frames_per_piece};
+use super::ospa::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, euclidean, frames_per_piece};
 use super::pairs::{self, Pair};
 use super::sets::{Distances, Euclidean, Sets};
 use crate::error::{Error, Result};
+use crate::interrupt::Interrupt;
 use crate::points::{Frames, Points};
 use crate::{simd, threads};
 use pulp::{Simd, WithSimd};
@@ -80,9 +81,10 @@ pub fn gospa(
     (c, p, alpha): (f64, f64, f64),
     work: &mut Workspace,
     pairs: &mut Vec<Pair>,
+    interrupt: &Interrupt<'_>,
 ) -> Result<Gospa> {
     let setting = Setting::new(c, p, alpha)?;
-    simd::dispatch(OneFrame { sets: euclidean(x, y)?, setting, work, pairs })
+    simd::dispatch(OneFrame { sets: euclidean(x, y)?, setting, work, pairs, interrupt })
 }
 
 /// GOSPA of two sets whose distances are given, and its pairs.
@@ -94,9 +96,10 @@ pub fn gospa_from_distances(
     (c, p, alpha): (f64, f64, f64),
     work: &mut Workspace,
     pairs: &mut Vec<Pair>,
+    interrupt: &Interrupt<'_>,
 ) -> Result<Gospa> {
     let setting = Setting::new(c, p, alpha)?;
-    simd::dispatch(OneFrame { sets, setting, work, pairs })
+    simd::dispatch(OneFrame { sets, setting, work, pairs, interrupt })
 }
 
 /// GOSPA of every pair of sets of two sequences, into `output`.
@@ -108,11 +111,12 @@ pub fn gospa_over_time(
     y: Frames,
     (c, p, alpha): (f64, f64, f64),
     output: &mut [Gospa],
+    interrupt: &Interrupt<'_>,
 ) -> Result<()> {
     let setting = Setting::new(c, p, alpha)?;
     check_sequences(x, y)?;
     threads::fill(output, frames_per_piece(x, y), |first, output| {
-        simd::dispatch(ManyFrames { x, y, first, setting, output })
+        simd::dispatch(ManyFrames { x, y, first, setting, output, interrupt })
     })
 }
 
@@ -121,6 +125,7 @@ struct OneFrame<'a, T> {
     setting: Setting,
     work: &'a mut Workspace,
     pairs: &'a mut Vec<Pair>,
+    interrupt: &'a Interrupt<'a>,
 }
 
 impl<T: Sets> WithSimd for OneFrame<'_, T> {
@@ -128,7 +133,7 @@ impl<T: Sets> WithSimd for OneFrame<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        of_frame(simd, self.sets, &self.setting, self.work, self.pairs)
+        of_frame(simd, self.sets, &self.setting, self.work, self.pairs, self.interrupt)
     }
 }
 
@@ -138,6 +143,7 @@ struct ManyFrames<'a> {
     first: usize,
     setting: Setting,
     output: &'a mut [Gospa],
+    interrupt: &'a Interrupt<'a>,
 }
 
 impl WithSimd for ManyFrames<'_> {
@@ -148,7 +154,10 @@ impl WithSimd for ManyFrames<'_> {
         let (mut work, mut pairs) = (Workspace::default(), Vec::new());
         for (t, output) in (self.first..).zip(self.output) {
             let sets = Euclidean { x: self.x.frame(t), y: self.y.frame(t) };
-            *output = of_frame(simd, sets, &self.setting, &mut work, &mut pairs)?;
+            if t.is_multiple_of(FRAMES_BETWEEN_CHECKS) {
+                self.interrupt.check()?;
+            }
+            *output = of_frame(simd, sets, &self.setting, &mut work, &mut pairs, self.interrupt)?;
         }
         Ok(())
     }
@@ -161,9 +170,10 @@ fn of_frame<S: Simd>(
     setting: &Setting,
     work: &mut Workspace,
     pairs: &mut Vec<Pair>,
+    interrupt: &Interrupt<'_>,
 ) -> Result<Gospa> {
     let cutoff = &setting.cutoff;
-    pairs::least_total(simd, sets, cutoff, work, pairs)?;
+    pairs::least_total(simd, sets, cutoff, work, pairs, interrupt)?;
     let localization = pairs.iter().map(|&(i, j)| sets.cost(i, j, cutoff)).sum::<f64>() + 0.0;
     let (m, n) = sets.sizes();
     let (missed_count, false_count) = (m - pairs.len(), n - pairs.len());
@@ -228,7 +238,15 @@ mod tests {
         let x = Points::new("X", &[0.0, 10.0], 1).unwrap();
         let y = Points::new("Y", &[3.0, 30.0, 50.0], 1).unwrap();
         let mut pairs = Vec::new();
-        let result = gospa(x, y, (5.0, 2.0, 2.0), &mut Workspace::default(), &mut pairs).unwrap();
+        let result = gospa(
+            x,
+            y,
+            (5.0, 2.0, 2.0),
+            &mut Workspace::default(),
+            &mut pairs,
+            &Interrupt::never(),
+        )
+        .unwrap();
         assert_eq!(pairs, [(0, 0)]);
         assert_eq!((result.missed_count, result.false_count), (1, 2));
         assert_eq!((result.localization, result.missed, result.false_alarms), (9.0, 12.5, 25.0));

@@ -14,6 +14,8 @@
 
 use super::rows::{Lowest, PADDING};
 use super::unique::Graph;
+use crate::error::Result;
+use crate::interrupt::Interrupt;
 use pulp::Simd;
 use std::cmp::Ordering;
 
@@ -46,6 +48,9 @@ pub(crate) struct Workspace {
     reached: Vec<Reached>,
     pub(super) graph: Graph,
 }
+
+/// From this many columns on a search is worth the question whether to stop.
+const WORTH_CHECKING: usize = 512;
 
 /// A column on the way of the search.
 #[derive(Debug, Clone, Copy)]
@@ -128,14 +133,19 @@ impl Workspace {
 
     /// The least total, once every row has entered.
     #[inline(always)]
-    pub(super) fn solve<S: Simd>(&mut self, simd: S, alone: f64) -> f64 {
+    pub(super) fn solve<S: Simd>(
+        &mut self,
+        simd: S,
+        alone: f64,
+        interrupt: &Interrupt<'_>,
+    ) -> Result<f64> {
         self.settle(alone);
         if self.conflicting == 0 {
-            return self.row_dual[..self.rows].iter().sum();
+            return Ok(self.row_dual[..self.rows].iter().sum());
         }
-        self.resolve(simd, alone);
+        self.resolve(simd, alone, interrupt)?;
         let partners = self.column_of_row[..self.rows].iter().enumerate();
-        partners.map(|(i, &j)| self.cost(i, j, alone)).sum()
+        Ok(partners.map(|(i, &j)| self.cost(i, j, alone)).sum())
     }
 
     /// The rows that are matched at less than the price of staying alone, with their columns, once
@@ -152,15 +162,19 @@ impl Workspace {
     }
 
     #[inline(always)]
-    fn resolve<S: Simd>(&mut self, simd: S, alone: f64) {
+    fn resolve<S: Simd>(&mut self, simd: S, alone: f64, interrupt: &Interrupt<'_>) -> Result<()> {
         self.distance.resize(self.stride, 0.0);
         self.previous.resize(self.stride, 0);
         for k in 0..self.conflicting {
+            if self.stride >= WORTH_CHECKING {
+                interrupt.check()?;
+            }
             let row = self.conflicts[k] as usize;
             let (end, length) = self.search(simd, row, alone);
             self.update_duals(row, length);
             self.augment(row, end);
         }
+        Ok(())
     }
 
     /// The cheapest way to find room for `row`, and its length.

@@ -18,11 +18,13 @@
 //! Cost: O(m n) where no two points want the same partner, O(m^2 n) at worst.
 
 use super::cutoff::Cutoff;
+use super::large::{self, Large};
 use super::pairs::{self, Pair};
 use super::sets::{Distances, Euclidean, Sets};
 use super::{extreme, matching, tiny};
 use crate::assignment::dense;
 use crate::error::{Error, Result};
+use crate::interrupt::Interrupt;
 use crate::points::{Frames, Points};
 use crate::{simd, threads};
 use pulp::{Simd, WithSimd};
@@ -39,6 +41,9 @@ pub struct Ospa {
     pub cardinality: f64,
 }
 
+/// How many frames are handled between two questions whether to stop.
+pub(super) const FRAMES_BETWEEN_CHECKS: usize = 64;
+
 /// What one frame needs and the next frame can use again.
 #[derive(Debug, Default)]
 pub struct Workspace {
@@ -50,14 +55,21 @@ pub struct Workspace {
 ///
 /// # Errors
 /// [`Error::Parameter`] for a cutoff or an order that is not positive, [`Error::Dimension`] for
-/// points of different dimensions.
-pub fn ospa(x: Points, y: Points, c: f64, p: f64, work: &mut Workspace) -> Result<Ospa> {
+/// points of different dimensions, [`Error::Memory`] for sets too large, [`Error::Interrupted`].
+pub fn ospa(
+    x: Points,
+    y: Points,
+    c: f64,
+    p: f64,
+    work: &mut Workspace,
+    interrupt: &Interrupt<'_>,
+) -> Result<Ospa> {
     let cutoff = Cutoff::new(c, p)?;
     let sets = euclidean(x, y)?;
     if x.len().max(y.len()) <= tiny::LARGEST {
-        return of_frame(pulp::Scalar::new(), sets, &cutoff, work);
+        return of_frame(pulp::Scalar::new(), sets, &cutoff, work, interrupt);
     }
-    simd::dispatch(OneFrame { sets, cutoff: &cutoff, work })
+    simd::dispatch(OneFrame { sets, cutoff: &cutoff, work, interrupt })
 }
 
 /// OSPA of two sets whose distances are given.
@@ -69,9 +81,10 @@ pub fn ospa_from_distances(
     c: f64,
     p: f64,
     work: &mut Workspace,
+    interrupt: &Interrupt<'_>,
 ) -> Result<Ospa> {
     let cutoff = &Cutoff::new(c, p)?;
-    simd::dispatch(OneFrame { sets: distances, cutoff, work })
+    simd::dispatch(OneFrame { sets: distances, cutoff, work, interrupt })
 }
 
 /// The pairs of OSPA that are closer than the cutoff, in the order of `x`.
@@ -84,13 +97,14 @@ pub fn ospa_assignment(
     c: f64,
     p: f64,
     work: &mut Workspace,
+    interrupt: &Interrupt<'_>,
 ) -> Result<Vec<Pair>> {
     let cutoff = &Cutoff::new(c, p)?;
     let (sets, mut pairs) = (euclidean(x, y)?, Vec::new());
     if p == f64::INFINITY {
-        pairs::bottleneck(sets, cutoff, &mut pairs)?;
+        pairs::bottleneck(sets, cutoff, &mut pairs, interrupt)?;
     } else {
-        simd::dispatch(Assign { sets, cutoff, work, pairs: &mut pairs })?;
+        simd::dispatch(Assign { sets, cutoff, work, pairs: &mut pairs, interrupt })?;
     }
     Ok(pairs)
 }
@@ -108,12 +122,19 @@ pub(super) fn euclidean<'a>(x: Points<'a>, y: Points<'a>) -> Result<Euclidean<'a
 ///
 /// # Errors
 /// As [`ospa`], and [`Error::Length`] where the sequences are not equally long.
-pub fn ospa_over_time(x: Frames, y: Frames, c: f64, p: f64, output: &mut [f64]) -> Result<()> {
+pub fn ospa_over_time(
+    x: Frames,
+    y: Frames,
+    c: f64,
+    p: f64,
+    output: &mut [f64],
+    interrupt: &Interrupt<'_>,
+) -> Result<()> {
     let cutoff = Cutoff::new(c, p)?;
     check_sequences(x, y)?;
     debug_assert_eq!(output.len(), x.len());
     threads::fill(output, frames_per_piece(x, y), |first, output| {
-        simd::dispatch(ManyFrames { x, y, first, cutoff: &cutoff, output })
+        simd::dispatch(ManyFrames { x, y, first, cutoff: &cutoff, output, interrupt })
     })
 }
 
@@ -148,6 +169,7 @@ struct OneFrame<'a, T> {
     sets: T,
     cutoff: &'a Cutoff,
     work: &'a mut Workspace,
+    interrupt: &'a Interrupt<'a>,
 }
 
 impl<T: Sets> WithSimd for OneFrame<'_, T> {
@@ -155,7 +177,7 @@ impl<T: Sets> WithSimd for OneFrame<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        of_frame(simd, self.sets, self.cutoff, self.work)
+        of_frame(simd, self.sets, self.cutoff, self.work, self.interrupt)
     }
 }
 
@@ -164,6 +186,7 @@ struct Assign<'a> {
     cutoff: &'a Cutoff,
     work: &'a mut Workspace,
     pairs: &'a mut Vec<Pair>,
+    interrupt: &'a Interrupt<'a>,
 }
 
 impl WithSimd for Assign<'_> {
@@ -171,7 +194,7 @@ impl WithSimd for Assign<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        pairs::least_total(simd, self.sets, self.cutoff, self.work, self.pairs)
+        pairs::least_total(simd, self.sets, self.cutoff, self.work, self.pairs, self.interrupt)
     }
 }
 
@@ -181,6 +204,7 @@ struct ManyFrames<'a> {
     first: usize,
     cutoff: &'a Cutoff,
     output: &'a mut [f64],
+    interrupt: &'a Interrupt<'a>,
 }
 
 impl WithSimd for ManyFrames<'_> {
@@ -191,7 +215,10 @@ impl WithSimd for ManyFrames<'_> {
         let work = &mut Workspace::default();
         for (t, output) in (self.first..).zip(self.output) {
             let sets = Euclidean { x: self.x.frame(t), y: self.y.frame(t) };
-            *output = of_frame(simd, sets, self.cutoff, work)?.distance;
+            if t.is_multiple_of(FRAMES_BETWEEN_CHECKS) {
+                self.interrupt.check()?;
+            }
+            *output = of_frame(simd, sets, self.cutoff, work, self.interrupt)?.distance;
         }
         Ok(())
     }
@@ -203,6 +230,7 @@ fn of_frame<S: Simd>(
     sets: impl Sets,
     cutoff: &Cutoff,
     work: &mut Workspace,
+    interrupt: &Interrupt<'_>,
 ) -> Result<Ospa> {
     let (m, n) = sets.sizes();
     let (sets, m, n) = if m > n { (sets.flipped(), n, m) } else { (sets, m, n) };
@@ -213,16 +241,29 @@ fn of_frame<S: Simd>(
         return Ok(Ospa { distance: cutoff.c(), localization: 0.0, cardinality: cutoff.c() });
     }
     if cutoff.p() == f64::INFINITY || !cutoff.has_square() {
-        return extreme::ospa(sets, cutoff);
+        return extreme::ospa(sets, cutoff, interrupt);
     }
-    let total = least_total(simd, sets, cutoff, &mut work.matching);
+    let large = large::solve(sets, cutoff, interrupt)?;
+    let total = match &large {
+        Some(large) => large.total,
+        None => least_total(simd, sets, cutoff, &mut work.matching, interrupt)?,
+    };
     let result = from_total(total, m, n, cutoff);
     let is_exact =
-        total_is_exact(total, result.localization) || (total == 0.0 && sets.zero_is_exact(cutoff));
+        total_is_exact(total, result.localization) || (total == 0.0 && zero(sets, cutoff, &large));
     if is_exact && (m == n || missing_is_exact(cutoff)) {
         return Ok(result);
     }
-    extreme::ospa(sets, cutoff)
+    extreme::ospa(sets, cutoff, interrupt)
+}
+
+/// Whether a total of zero is owed to equal points.
+#[cold]
+fn zero(sets: impl Sets, cutoff: &Cutoff, large: &Option<Large>) -> bool {
+    match large {
+        Some(large) => large.pairs.iter().all(|&(i, j)| sets.distance(i, j) == 0.0),
+        None => sets.zero_is_exact(cutoff),
+    }
 }
 
 /// The least total cost of matching every row with a column; not more rows than columns.
@@ -232,14 +273,15 @@ pub(super) fn least_total<S: Simd>(
     sets: impl Sets,
     cutoff: &Cutoff,
     work: &mut matching::Workspace,
-) -> f64 {
+    interrupt: &Interrupt<'_>,
+) -> Result<f64> {
     let (m, n) = sets.sizes();
     if n <= tiny::LARGEST {
-        return sets.tiny_total(cutoff);
+        return Ok(sets.tiny_total(cutoff));
     }
     work.start(m, n);
     sets.enter(simd, cutoff, work);
-    work.solve(simd, cutoff.most())
+    work.solve(simd, cutoff.most(), interrupt)
 }
 
 /// The three results from the least total cost of `m <= n` pairs.
@@ -291,7 +333,7 @@ mod tests {
             for p in [1.0, 2.0, 4.0] {
                 let results = [Width::Scalar, Width::V3, Width::Widest].map(|width| {
                     set_width(width);
-                    ospa(x, y, 5000.0, p, &mut Workspace::default()).unwrap()
+                    ospa(x, y, 5000.0, p, &mut Workspace::default(), &Interrupt::never()).unwrap()
                 });
                 assert_eq!(results[0], results[1], "{n} {m} {d} {p}");
                 assert_eq!(results[0], results[2], "{n} {m} {d} {p}");
@@ -309,7 +351,7 @@ mod tests {
         let results = [1, 2].map(|count| {
             threads::set_threads(count);
             let mut output = vec![0.0; frames];
-            ospa_over_time(x, y, 2000.0, 2.0, &mut output).unwrap();
+            ospa_over_time(x, y, 2000.0, 2.0, &mut output, &Interrupt::never()).unwrap();
             output
         });
         threads::set_threads(0);

@@ -6,10 +6,14 @@
 //! users and is the same on every machine. The fast matching is used where it is the only one.
 
 use super::cutoff::Cutoff;
+use super::large;
+use super::near::check_memory;
 use super::ospa::Workspace;
 use super::sets::Sets;
-use crate::assignment::{bottleneck, dense};
+use crate::assignment::bottleneck;
+use crate::assignment::dense::{self, Goal};
 use crate::error::Result;
+use crate::interrupt::Interrupt;
 use pulp::Simd;
 
 /// A row and a column.
@@ -23,6 +27,7 @@ pub(super) fn least_total<S: Simd>(
     cutoff: &Cutoff,
     work: &mut Workspace,
     pairs: &mut Vec<Pair>,
+    interrupt: &Interrupt<'_>,
 ) -> Result<()> {
     pairs.clear();
     let (m, n) = sets.sizes();
@@ -30,16 +35,21 @@ pub(super) fn least_total<S: Simd>(
         return Ok(());
     }
     if !cutoff.has_square() || !(1e-250..=1e250).contains(&cutoff.most()) {
-        return by_hand(sets, cutoff, work, pairs);
+        return by_hand(sets, cutoff, work, pairs, interrupt);
+    }
+    if let Some(large) = large::solve(sets, cutoff, interrupt)? {
+        *pairs = large.pairs;
+        pairs.sort_unstable();
+        return Ok(());
     }
     let (most, matching) = (cutoff.most(), &mut work.matching);
     let is_flipped = m > n;
     let wide = if is_flipped { sets.flipped() } else { sets };
     matching.start(m.min(n), m.max(n));
     wide.enter(simd, cutoff, matching);
-    matching.solve(simd, most);
+    matching.solve(simd, most, interrupt)?;
     if !matching.is_unique(m.max(n), most) {
-        return in_order(sets, cutoff, &mut work.exact, pairs);
+        return in_order(sets, cutoff, &mut work.exact, pairs, interrupt);
     }
     pairs.extend(matching.pairs(most).map(|(i, j)| if is_flipped { (j, i) } else { (i, j) }));
     if is_flipped {
@@ -55,21 +65,29 @@ fn in_order(
     cutoff: &Cutoff,
     work: &mut dense::Workspace,
     pairs: &mut Vec<Pair>,
+    interrupt: &Interrupt<'_>,
 ) -> Result<()> {
-    let costs = matrix(sets, |i, j| sets.cost(i, j, cutoff));
+    let costs = matrix(sets, |i, j| sets.cost(i, j, cutoff))?;
     let (m, n) = sets.sizes();
-    keep_near(sets, cutoff, dense::solve(&costs, m, n, work)?, pairs);
+    let columns = dense::solve_until(&costs, m, n, Goal::Least, interrupt, work)?;
+    keep_near(sets, cutoff, columns, pairs);
     Ok(())
 }
 
 /// The pairs closer than the cutoff in the matching whose largest distance is the smallest.
-pub(super) fn bottleneck(sets: impl Sets, cutoff: &Cutoff, pairs: &mut Vec<Pair>) -> Result<()> {
+pub(super) fn bottleneck(
+    sets: impl Sets,
+    cutoff: &Cutoff,
+    pairs: &mut Vec<Pair>,
+    interrupt: &Interrupt<'_>,
+) -> Result<()> {
     pairs.clear();
-    let distances = matrix(sets, |i, j| sets.distance(i, j).min(cutoff.c()).min(f64::MAX));
+    let distances = matrix(sets, |i, j| sets.distance(i, j).min(cutoff.c()).min(f64::MAX))?;
     let (m, n) = sets.sizes();
     if m > 0 && n > 0 {
         let work = &mut bottleneck::Workspace::default();
-        keep_near(sets, cutoff, bottleneck::solve(&distances, m, n, work)?.1, pairs);
+        let columns = bottleneck::solve_until(&distances, m, n, interrupt, work)?.1;
+        keep_near(sets, cutoff, columns, pairs);
     }
     Ok(())
 }
@@ -81,24 +99,27 @@ fn by_hand(
     cutoff: &Cutoff,
     work: &mut Workspace,
     pairs: &mut Vec<Pair>,
+    interrupt: &Interrupt<'_>,
 ) -> Result<()> {
     let (m, n) = sets.sizes();
     let stays = |i, j| (0.0..=1e250).contains(&sets.cost(i, j, cutoff));
     if cutoff.c() == f64::INFINITY && (0..m).all(|i| (0..n).all(|j| stays(i, j))) {
-        return in_order(sets, cutoff, &mut work.exact, pairs);
+        return in_order(sets, cutoff, &mut work.exact, pairs, interrupt);
     }
-    let costs = scaled_costs(sets, cutoff)?;
-    keep_near(sets, cutoff, dense::solve(&costs, m, n, &mut work.exact)?, pairs);
+    let costs = scaled_costs(sets, cutoff, interrupt)?;
+    let columns = dense::solve_until(&costs, m, n, Goal::Least, interrupt, &mut work.exact)?;
+    keep_near(sets, cutoff, columns, pairs);
     Ok(())
 }
 
 /// Costs in units of the bottleneck distance, or of the largest distance below the cutoff where
 /// the bottleneck is not: what is above the number of points is never chosen.
-fn scaled_costs(sets: impl Sets, cutoff: &Cutoff) -> Result<Vec<f64>> {
+fn scaled_costs(sets: impl Sets, cutoff: &Cutoff, interrupt: &Interrupt<'_>) -> Result<Vec<f64>> {
     let (m, n) = sets.sizes();
     let c = cutoff.c().min(f64::MAX);
-    let mut distances = matrix(sets, |i, j| sets.distance(i, j).min(c));
-    let bottleneck = bottleneck::solve(&distances, m, n, &mut Default::default())?.0;
+    let mut distances = matrix(sets, |i, j| sets.distance(i, j).min(c))?;
+    let work = &mut bottleneck::Workspace::default();
+    let bottleneck = bottleneck::solve_until(&distances, m, n, interrupt, work)?.0;
     let near = distances.iter().copied().filter(|d| *d < c);
     let unit = if bottleneck < c { bottleneck } else { near.fold(0.0, f64::max) };
     let ratio = |d: f64| (d / unit.max(f64::MIN_POSITIVE)).powf(cutoff.p());
@@ -106,9 +127,10 @@ fn scaled_costs(sets: impl Sets, cutoff: &Cutoff) -> Result<Vec<f64>> {
     Ok(distances)
 }
 
-fn matrix(sets: impl Sets, value: impl Fn(usize, usize) -> f64 + Copy) -> Vec<f64> {
+fn matrix(sets: impl Sets, value: impl Fn(usize, usize) -> f64 + Copy) -> Result<Vec<f64>> {
     let (m, n) = sets.sizes();
-    (0..m).flat_map(|i| (0..n).map(move |j| value(i, j))).collect()
+    check_memory(m, n)?;
+    Ok((0..m).flat_map(|i| (0..n).map(move |j| value(i, j))).collect())
 }
 
 fn keep_near(sets: impl Sets, cutoff: &Cutoff, columns: &[usize], pairs: &mut Vec<Pair>) {

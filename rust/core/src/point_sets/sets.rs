@@ -2,6 +2,7 @@
 
 use super::cutoff::Cutoff;
 use super::matching::Workspace;
+use super::near::{LARGEST_DIMENSION, Near};
 use super::{rows, tiny};
 use crate::error::{Error, Result};
 use crate::points::Points;
@@ -23,6 +24,16 @@ pub(crate) trait Sets: Copy {
 
     /// Enters every row into `work`.
     fn enter<S: Simd>(self, simd: S, cutoff: &Cutoff, work: &mut Workspace);
+
+    /// Coordinates of a point; 0 where there are none.
+    fn dimension(&self) -> usize {
+        0
+    }
+
+    /// The sets sorted into cells, where that can be done.
+    fn near(&self, _cutoff: &Cutoff) -> Option<Near> {
+        None
+    }
 
     /// The least total for at most three columns and as many rows or fewer, at least one.
     fn tiny_total(&self, cutoff: &Cutoff) -> f64 {
@@ -83,6 +94,18 @@ impl Sets for Euclidean<'_> {
         rows::lay_out(self.y, &mut axes);
         rows::enter_points(simd, self.x, &axes, cutoff, work);
         work.axes = axes;
+    }
+
+    fn dimension(&self) -> usize {
+        self.x.dimension()
+    }
+
+    fn near(&self, cutoff: &Cutoff) -> Option<Near> {
+        let is_sorted = (1..=LARGEST_DIMENSION).contains(&self.x.dimension());
+        let has_cells = cutoff.c() < f64::INFINITY && cutoff.has_square();
+        let fits = self.x.len().max(self.y.len()) < u32::MAX as usize;
+        (is_sorted && has_cells && fits && cutoff.p() < f64::INFINITY)
+            .then(|| Near::new(self.x, self.y, cutoff))
     }
 
     #[inline(always)]
