@@ -139,6 +139,10 @@ def test_the_overview_is_sorted_by_severity(small, backend):
     assert ticks == names
     assert list(heights) == [-0.0, -1.0, -2.0, -3.0]
     assert "▲ late divergence" in words_of(figure, backend)
+    if backend == "plotly":  # which hides words beyond the axis, unless they stand in its domain
+        beside = [a for a in figure.layout.annotations if a.xref == "x domain"]
+        assert len(beside) == 4
+        assert all(a.x > 1 for a in beside)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -135,7 +135,7 @@ def _layout(scene: Scene) -> Json:
         left = scene.panels[0].place.left if scene.panels else 0.0
         layout["annotations"] += [
             _words(scene, left, 18, f"<b>{scene.title}</b>", 20, "@ink"),
-            _words(scene, left, 46, scene.subtitle, 13, "@muted"),
+            _words(scene, left, 46, scene.subtitle.replace("\n", "<br>"), 13, "@muted"),
         ]
     return layout
 
@@ -339,10 +339,18 @@ def _event(target: _Target, mark: Event) -> None:
     )
 
 
+def _across(target: _Target, x: float) -> Json:
+    """Where words stand; beside the panel they need its own measure, else plotly hides them."""
+    low, high = target.panel.x_limits or (x, x)
+    if low <= x <= high:
+        return {"x": x}
+    return {"x": (x - low) / (high - low), "xref": f"{target.x} domain"}
+
+
 def _text(target: _Target, mark: Text) -> None:
     target.annotation(
         text=f"<b>{mark.text}</b>" if mark.bold else mark.text,
-        x=mark.x,
+        **_across(target, mark.x),
         y=target.height(mark.y),
         yref=target.y,
         xanchor=mark.anchor,
