@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import trackmetrics
 from trackmetrics import vessel
 from trackmetrics.cli import main
 from trackmetrics.vessel import read_ais, screen
@@ -52,7 +53,15 @@ def test_every_trap_of_the_recording_is_met(solent):
     assert np.abs(recording.reports.z[:, 1] + 1.2).max() < 1
 
 
+@pytest.fixture
+def native():
+    """The twin takes forty times as long over a recording, and gives the same numbers."""
+    with trackmetrics.use_backend("native"):
+        yield
+
+
 @pytest.mark.data
+@pytest.mark.usefixtures("native")
 def test_all_vessels_under_way_run_through(solent, tmp_path, capsys):
     page, log = tmp_path / "out.html", tmp_path / "log.jsonl"
     words = ["vessel", str(solent), "--decimate", "60", "--html", str(page), "--log", str(log)]
