@@ -8,12 +8,17 @@ PY := $(VENV)/bin/python
 WHEEL_INPUTS := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '*.pyi' -o -name '*.toml' | grep -v __pycache__) \
 	Cargo.toml Cargo.lock pyproject.toml
 
-.PHONY: demo test test-rust test-python lint format bench wheel develop clean
+PIP_INSTALL := -m pip install --quiet --disable-pip-version-check
+# What needs nothing but the runtime dependencies, run once with the oldest that are supported.
+MINIMUM := $(addprefix tests/test_, backend bottleneck_assignment cli_demo consistency_test \
+	labels linear_sum_assignment mot_metrics nees ospa processes rmse twins)
 
-demo: $(VENV)/installed  ## run the main job
+.PHONY: demo test test-rust test-python test-minimum lint format bench wheel develop clean
+
+demo: $(VENV)/wheel  ## run the main job
 	$(VENV)/bin/trackmetrics demo
 
-test: test-rust test-python  ## every test, against the installed wheel, once per backend
+test: test-rust test-python test-minimum  ## every test, against the installed wheel, once per backend
 
 test-rust:
 	cargo test --workspace --locked --quiet
@@ -21,6 +26,12 @@ test-rust:
 test-python: $(VENV)/installed
 	TRACKMETRICS_BACKEND=native $(PY) -m pytest --pyargs trackmetrics $(TESTS)
 	TRACKMETRICS_BACKEND=numpy $(PY) -m pytest --pyargs trackmetrics $(TESTS)
+
+test-minimum: $(VENV)/wheel
+	test -d $(VENV)-minimum || $(PYTHON) -m venv $(VENV)-minimum
+	$(VENV)-minimum/bin/python $(PIP_INSTALL) numpy==1.26.0 scipy==1.11.1 'pytest>=8' hypothesis
+	$(VENV)-minimum/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
+	$(VENV)-minimum/bin/python -m pytest -m 'not peers and not data' $(MINIMUM:=.py)
 
 lint: $(VENV)/installed
 	cargo fmt --all --check
@@ -49,16 +60,21 @@ develop: $(VENV)/tools  ## an editable install with a faster build
 
 $(VENV)/tools: pyproject.toml
 	test -x $(PY) || $(PYTHON) -m venv $(VENV)
-	$(PY) -m pip install --quiet --disable-pip-version-check 'maturin>=1.9.4,<2'
+	$(PY) $(PIP_INSTALL) 'maturin>=1.9.4,<2'
 	touch $@
 
-# The wheel as a user gets it, with the extras that tests and lints need.
-$(VENV)/installed: $(VENV)/tools $(WHEEL_INPUTS)
+# The release wheel as a user gets it, with what the page of the demo is made with.
+$(VENV)/wheel: $(VENV)/tools $(WHEEL_INPUTS)
 	rm -rf dist
 	$(VENV)/bin/maturin build --release --locked --out dist
-	$(PY) -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps dist/*.whl
-	$(PY) -m pip install --quiet --disable-pip-version-check "$$(echo dist/*.whl)[test,peers,lint]"
+	$(PY) $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
+	$(PY) $(PIP_INSTALL) "$$(echo dist/*.whl)[report]"
+	touch $@
+
+# And the extras that tests and lints need.
+$(VENV)/installed: $(VENV)/wheel
+	$(PY) $(PIP_INSTALL) "$$(echo dist/*.whl)[test,peers,lint]"
 	touch $@
 
 clean:
-	rm -rf target dist $(VENV)
+	rm -rf target dist $(VENV) $(VENV)-minimum

@@ -137,17 +137,18 @@ def simulate(plant: Plant, case: str, updates: int, runs: int, seed: int) -> Est
 
 
 def as_log(
-    out: dict[str, Any], kinds: Sequence[str], states: Sequence[str | State]
+    out: dict[str, Any], kinds: Sequence[str], states: Sequence[str | State], **more: Any
 ) -> EstimatorLog:
-    """Runs as tracks."""
+    """Runs as tracks; ``kinds`` of one run, or of all of them one behind the other."""
     runs, updates = out["error"].shape[:2]
     flat = {name: v.reshape(runs * updates, *v.shape[2:]) for name, v in out.items()}
     return EstimatorLog.from_columns(
         track=np.repeat([f"run {i}" for i in range(runs)], updates),
         time=np.tile(np.arange(float(updates)), runs),
-        measurement_type=list(kinds) * runs,
+        measurement_type=list(kinds) * (runs if len(kinds) == updates else 1),
         states=states,
         **flat,
+        **more,
     )
 
 
@@ -205,4 +206,60 @@ def two_sensors() -> Plant:
     )
 
 
-PLANTS: dict[str, Callable[[], Any]] = {"two sensors": two_sensors}
+def one_range() -> Plant:
+    """Along a line, constant velocity; two ranging sensors of 5 and 8 m take turns every second."""
+    F, Q = _chain(2, 1.0, 4.0)
+    H = np.array([[1.0, 0.0]])
+    return Plant(
+        "one range",
+        F,
+        Q,
+        [Sensor("near", H, np.array([[25.0]])), Sensor("far", H, np.array([[64.0]]))],
+        np.diag([25.0, 100.0]),
+        np.array([0.5, 1.0]),
+        np.array([0.0, 6.0]),
+        ("s", "v"),
+    )
+
+
+def depth() -> Plant:
+    """Up and down, constant velocity; a pressure gauge of 3 m and a sonar of 4.5 m every 2 s."""
+    F, Q = _chain(2, 2.0, 2.0)
+    H = np.array([[1.0, 0.0]])
+    return Plant(
+        "depth",
+        F,
+        Q,
+        [Sensor("gauge", H, np.array([[9.0]])), Sensor("sonar", H, np.array([[20.25]]))],
+        np.diag([9.0, 16.0]),
+        np.array([2.0, 2.0]),
+        np.array([0.0, 7.0]),
+        ("d", "vd"),
+    )
+
+
+def in_space() -> Plant:
+    """In space, constant velocity; a radar of three coordinates and a camera of two take turns."""
+    F, Q = _chain(2, 2.0, 1.0)
+    radar = np.kron(np.eye(3), [[1.0, 0.0]])
+    return Plant(
+        "in space",
+        np.kron(np.eye(3), F),
+        np.kron(np.eye(3), Q),
+        [
+            Sensor("radar", radar, np.diag([36.0, 36.0, 100.0])),
+            Sensor("camera", radar[:2], 16.0 * np.eye(2)),
+        ],
+        np.kron(np.eye(3), np.diag([36.0, 25.0])),
+        np.array([2.0, 2.0, -2.0, -2.0, 1.0, 1.0]),
+        np.array([0.0, 5.0, 0.0, -4.0, 0.0, 0.0]),
+        ("x", "vx", "y", "vy", "z", "vz"),
+    )
+
+
+PLANTS: dict[str, Callable[[], Any]] = {
+    "two sensors": two_sensors,
+    "one range": one_range,
+    "depth": depth,
+    "in space": in_space,
+}

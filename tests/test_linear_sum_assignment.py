@@ -262,3 +262,37 @@ def test_scales(scale, shape):
     same_pairs(_native.linear_sum_assignment(costs, False), scipy_assignment(costs))
     costs[0, 0] = 1e3 * scale
     same_pairs(_native.linear_sum_assignment(costs, False), scipy_assignment(costs))
+
+
+def test_an_error_leaves_nothing_behind():
+    rng = np.random.default_rng(5)
+    for n in (5, 60):
+        costs = rng.integers(0, 9, (n, n)).astype(float)
+        blocked = costs.copy()
+        blocked[-2:, 1:] = INF
+        for _ in range(3):
+            with pytest.raises(ValueError, match=r"^cost matrix is infeasible$"):
+                _native.linear_sum_assignment(blocked, False)
+            same_pairs(_native.linear_sum_assignment(costs, False), scipy_assignment(costs))
+
+
+@pytest.mark.parametrize("shape", [(7, 7), (64, 64), (410, 420)])
+def test_sums_that_overflow(shape):
+    rng = np.random.default_rng(11)
+    for _ in range(5 if max(shape) < 100 else 1):
+        costs = rng.uniform(-1.0, 1.0, shape) * 1.7e308
+        assert outcome(_native.linear_sum_assignment, costs) == outcome(scipy_assignment, costs)
+
+
+@pytest.mark.parametrize("width", ["scalar", "avx2", "widest"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_width_gives_the_same_pairs(width, kind):
+    rng = np.random.default_rng(KINDS.index(kind))
+    _native.set_simd(width)
+    try:
+        for shape in [(3, 3), (9, 10), (10, 9), (33, 33), (60, 60), (401, 405)]:
+            costs = tie_rich(rng, kind, shape)
+            expected = outcome(scipy_assignment, costs)
+            assert outcome(_native.linear_sum_assignment, costs) == expected
+    finally:
+        _native.set_simd("widest")

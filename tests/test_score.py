@@ -146,7 +146,8 @@ def test_pairs_are_as_many_and_then_as_near_as_can_be():
             for columns in itertools.permutations(range(m), min(n, m))
         )
         best = min(every, key=lambda pairs: (-len(pairs), sum(distances[p] for p in pairs)))
-        true, estimated, _ = paired_labels(boxes_at(x), boxes_at(y), 4.0)
+        places = [(np.arange(n), np.arange(m))]
+        true, estimated, _ = paired_labels(boxes_at(x), boxes_at(y), places, 4.0)
         assert list(zip(true, estimated, strict=True)) == sorted(best)
 
 

@@ -46,6 +46,31 @@ def cost_matrix(values: Any) -> Floats:
     return array
 
 
+def matrix(argument: str, values: Any) -> Floats:
+    """``values`` as a C-ordered float64 matrix."""
+    array = floats(argument, values)
+    if array.ndim != 2:
+        raise errors.shape(argument, array.shape, "(m, n)")
+    return array
+
+
+def cost_matrices(values: Any) -> Floats | list[Floats]:
+    """Cost matrices as one C-ordered array where they come as an array, else as a list."""
+    if not isinstance(values, np.ndarray):
+        return [_numbered(index, value) for index, value in enumerate(values)]
+    array = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
+    if array.ndim != 3:
+        raise errors.shape("costs", array.shape, "(B, n, m)")
+    return array
+
+
+def _numbered(index: int, value: Any) -> Floats:
+    try:
+        return cost_matrix(value)
+    except (TypeError, ValueError) as error:
+        raise errors.matrix(index, error) from None
+
+
 def points(argument: str, values: Any, dimension: int | None = None) -> Floats:
     """A set of points as an ``(n, d)`` array; each point is flattened.
 

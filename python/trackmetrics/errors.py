@@ -89,9 +89,19 @@ def not_a_matrix(axes: int) -> ValueError:
     return ValueError(f"expected a matrix (2-D array), got a {axes} array")
 
 
+def steps(argument: str, index: int) -> ValueError:
+    """The steps of a trajectory do not rise."""
+    return ValueError(f"{argument}[{index}]: steps must rise")
+
+
 def invalid_costs() -> ValueError:
     """A cost matrix with an element that no assignment can use."""
     return ValueError("matrix contains invalid numeric entries")
+
+
+def matrix(index: int, error: Exception) -> Exception:
+    """One of many cost matrices cannot be used."""
+    return type(error)(f"costs[{index}]: {error}")
 
 
 def infeasible() -> ValueError:

@@ -25,6 +25,25 @@ class OSPAResult(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
+class AuctionAssignment:
+    """A complete matching whose total cost is within a bound of the best one."""
+
+    row_ind: NDArray[np.int64]
+    """The matched rows, rising."""
+    col_ind: NDArray[np.int64]
+    """The column of each of them."""
+    epsilon: float
+    """The last epsilon of the auction, in the unit of the costs."""
+    bound: float
+    """The total cost is at most this far from the best one, in the unit of the costs: at most
+    ``n * epsilon`` and the rounding of a sum, and 0 where the matching is proved optimal."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
 class BottleneckAssignment:
     """A complete matching whose largest cost is as small as it can be."""
 
@@ -70,3 +89,99 @@ class ConsistencyResult(NamedTuple):
     """The greatest mean that chance allows; above it, the filter is too optimistic."""
     mean_value: float
     """The mean of the values, once more."""
+
+
+@dataclass(frozen=True, eq=False)
+class OSPA2Result:
+    """OSPA(2) over time; ``ospa2 ** p == localization ** p + cardinality ** p`` at each time."""
+
+    times: NDArray[np.float64]
+    """When it was evaluated, shape (T,)."""
+    ospa2: NDArray[np.float64]
+    """The distance, in the unit of the states; 0 is best, ``c`` is worst."""
+    localization: NDArray[np.float64]
+    """The part owed to the distances of matched tracks."""
+    cardinality: NDArray[np.float64]
+    """The part owed to the difference in the number of tracks."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class GOSPAResult:
+    """GOSPA distance of two sets of points, its parts, and the pairs behind it; 0 is best.
+
+    ``localization + missed + false == distance ** p`` for ``alpha = 2``; the parts do not exist
+    otherwise and are NaN.
+    """
+
+    distance: float
+    """The distance, in the unit of the points."""
+    localization: float
+    """The sum of ``d ** p`` over the pairs."""
+    missed: float
+    """``c ** p / 2`` for each point of the truth without a partner."""
+    false: float
+    """``c ** p / 2`` for each estimate without a partner."""
+    num_missed: int
+    """Points of the truth without a partner closer than ``c``."""
+    num_false: int
+    """Estimates without a partner closer than ``c``."""
+    assignment: NDArray[np.int64]
+    """The pairs closer than ``c``, shape (k, 2): index in X, index in Y; the first rises."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryGOSPAResult:
+    """Trajectory GOSPA and its parts over time, which are p-th powers and add up:
+    ``distance ** p == sum(totals().values())``."""
+
+    distance: float
+    """The distance, in the unit of the states; 0 is best."""
+    times: NDArray[np.float64]
+    """The times at which something exists, shape (T,)."""
+    localization: NDArray[np.float64]
+    """Owed to the distances of states that are followed, shape (T,)."""
+    missed: NDArray[np.float64]
+    """Owed to states of the truth that nobody follows, shape (T,)."""
+    false: NDArray[np.float64]
+    """Owed to states of tracks that follow nobody, shape (T,)."""
+    switching: NDArray[np.float64]
+    """Owed to changes from each time to the next, shape (T - 1,)."""
+
+    def totals(self) -> dict[str, float]:
+        """The four parts, summed over time."""
+        names = ("localization", "missed", "false", "switching")
+        return {name: float(getattr(self, name).sum()) for name in names}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class GOSPASequence:
+    """GOSPA at every time step of two sequences; each field has shape (T,)."""
+
+    distance: NDArray[np.float64]
+    """The distance, in the unit of the points; 0 is best."""
+    localization: NDArray[np.float64]
+    """The sum of ``d ** p`` over the pairs; NaN unless ``alpha = 2``, as the next two."""
+    missed: NDArray[np.float64]
+    """``c ** p / 2`` for each point of the truth without a partner."""
+    false: NDArray[np.float64]
+    """``c ** p / 2`` for each estimate without a partner."""
+    num_missed: NDArray[np.int64]
+    """Points of the truth without a partner closer than ``c``."""
+    num_false: NDArray[np.int64]
+    """Estimates without a partner closer than ``c``."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)

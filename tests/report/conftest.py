@@ -4,6 +4,7 @@ import csv
 import math
 import os
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,7 +19,6 @@ from trackmetrics.diagnostics import (
     Segment,
     State,
     StateDiagnosis,
-    TrackDiagnosis,
     Whiteness,
     diagnose,
 )
@@ -130,7 +130,7 @@ def quantity(name, verdict, times, cuts, scales, **moments):
     )
 
 
-def track_diagnosis(log, name, verdict):
+def track_diagnosis(like, log, name, verdict):
     """A record of every kind about one track, its segments fitting its verdict."""
     rows = log[name]
     good = np.isfinite(rows.nis)
@@ -169,11 +169,8 @@ def track_diagnosis(log, name, verdict):
         for i, s in enumerate(log.states)
     )
     fails = verdict in ("late_divergence", "optimistic")
-    text = (
-        f"{name}: {verdict.replace('_', ' ')}. The NIS of {good.sum()} updates has a scale of "
-        f"{scales[-1]:g}; the covariance of the settled part would have to be multiplied by it."
-    )
-    return TrackDiagnosis(
+    return replace(
+        like,
         track=name,
         verdict=verdict,
         nis=quantity("nis", verdict, times, cuts, scales, **moments),
@@ -193,7 +190,6 @@ def track_diagnosis(log, name, verdict):
         longest_gap_time=float(rows.time[1]),
         observed={FULL: ("lat", "lon", "sog", "cog"), SHORT: ("lat", "lon")},
         notes=("A note about <this> & that.",) if fails else (),
-        text=text,
     )
 
 
@@ -201,7 +197,8 @@ def made_up(log):
     """A diagnosis that gives the tracks of a log every verdict in turn."""
     cycle = ("late_divergence", "pessimistic", "consistent", "startup_then_pessimistic", *VERDICTS)
     named = zip(log.tracks, [cycle[i % len(cycle)] for i in range(len(log.tracks))], strict=True)
-    return Diagnosis(tuple(track_diagnosis(log, name, verdict) for name, verdict in named))
+    (like,) = diagnose(EstimatorLog.from_columns(nis=[1.0] * 4, nis_dof=2)).values()
+    return Diagnosis(tuple(track_diagnosis(like, log, name, verdict) for name, verdict in named))
 
 
 @pytest.fixture(scope="session")

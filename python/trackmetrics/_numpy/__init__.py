@@ -11,7 +11,12 @@ from trackmetrics._numpy.accuracy import (
     rmse,
     velocity_rmse,
 )
-from trackmetrics._numpy.assignment import bottleneck_assignment, linear_sum_assignment
+from trackmetrics._numpy.assignment import (
+    auction,
+    bottleneck_assignment,
+    linear_sum_assignment,
+    linear_sum_assignment_batch,
+)
 from trackmetrics._numpy.consistency import (
     credibility_interval,
     mean_statistic,
@@ -27,13 +32,38 @@ from trackmetrics._numpy.diagnostics import (
     scale_partitions,
     shapley_shares,
 )
-from trackmetrics._numpy.point_sets import ospa, ospa_over_time
-from trackmetrics._numpy.settings import set_simd, set_threads, simd, threads
+from trackmetrics._numpy.distances import (
+    mahalanobis_distances,
+    point_distances,
+)
+from trackmetrics._numpy.monte_carlo import (
+    consistency_sums,
+    histograms,
+    run_sums,
+)
+from trackmetrics._numpy.point_sets import (
+    gospa,
+    gospa_from_distances,
+    gospa_over_time,
+    ospa,
+    ospa_assignment,
+    ospa_from_distances,
+    ospa_over_time,
+)
+from trackmetrics._numpy.settings import (
+    set_simd,
+    set_threads,
+    simd,
+    threads,
+)
 from trackmetrics._numpy.tracking import (
     identity_switches,
     mot_metrics,
     track_fragmentation,
     track_purity,
+)
+from trackmetrics._numpy.trajectories import (
+    ospa2,
 )
 from trackmetrics._numpy.vessel import (
     vessel_advance,
@@ -41,16 +71,26 @@ from trackmetrics._numpy.vessel import (
     vessel_gate,
     vessel_predict,
 )
-from trackmetrics._version import __version__
+from trackmetrics._version import (
+    __version__,
+)
 
 __all__ = [
     "__version__",
+    "auction",
     "best_split_gains",
     "bottleneck_assignment",
+    "consistency_sums",
     "credibility_interval",
     "estimation_error_bounds",
+    "gospa",
+    "gospa_from_distances",
+    "gospa_over_time",
+    "histograms",
     "identity_switches",
     "linear_sum_assignment",
+    "linear_sum_assignment_batch",
+    "mahalanobis_distances",
     "mean_statistic",
     "monte_carlo_rmse",
     "mot_metrics",
@@ -60,9 +100,14 @@ __all__ = [
     "nis",
     "nis_sequence",
     "ospa",
+    "ospa2",
+    "ospa_assignment",
+    "ospa_from_distances",
     "ospa_over_time",
+    "point_distances",
     "position_rmse",
     "rmse",
+    "run_sums",
     "sampled_shapley_shares",
     "scale_partitions",
     "set_simd",

@@ -1,6 +1,7 @@
 """Who is matched with whom: twin of ``assignment`` in the core."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,102 @@ def bottleneck_assignment(cost_matrix: Floats) -> tuple[float, Indices, Indices]
     _matrix(cost_matrix)
     value, columns = solve_bottleneck(cost_matrix)
     return value, *pairs(columns)
+
+
+def linear_sum_assignment_batch(costs: Any, maximize: object) -> Any:
+    """The pairs of many matrices: arrays for an array, a list of pairs of arrays for a list."""
+    listed = type(costs) is list
+    if not listed:
+        plain(costs)
+        if costs.ndim != 3:
+            raise errors.NotPlain
+    found = []
+    for index, matrix in enumerate(costs):
+        _matrix(matrix)
+        try:
+            found.append(linear_sum_assignment(matrix, maximize))
+        except ValueError as error:
+            raise errors.matrix(index, error) from None
+    if listed:
+        return found
+    shape = len(costs), min(costs.shape[1:])
+    rows, columns = (
+        np.array([pairs[part] for pairs in found], dtype=np.int64).reshape(shape) for part in (0, 1)
+    )
+    return rows, columns
+
+
+def auction(
+    cost_matrix: Floats, epsilon: float | None, maximize: object
+) -> tuple[Indices, Indices, float, float]:
+    """A matching within a bound of the best one, by Bertsekas' auction with epsilon scaling."""
+    _matrix(cost_matrix)
+    rows, columns = cost_matrix.shape
+    tall = rows > columns
+    costs = -cost_matrix if maximize else cost_matrix
+    costs = costs.T if tall else costs
+    solve_bottleneck(costs)
+    size = max(rows, columns)
+    finite = costs[np.isfinite(costs)]
+    largest, whole = float(np.abs(finite).max(initial=0.0)), bool((finite % 1 == 0).all())
+    if not 64.0 * largest * size < np.inf:
+        raise errors.parameter("cost_matrix", "so small that its elements can be added", largest)
+    last = _final_epsilon(epsilon, size, largest, whole)
+    square = np.vstack([costs, np.zeros((size - len(costs), size))])
+    price, epsilon = np.zeros(size), max(largest / 2, last)
+    while True:
+        row_of_column = _auction(square, price, epsilon, largest)
+        if epsilon <= last:
+            break
+        epsilon = max(epsilon / 5, last)
+    bound = _bound(square, price, row_of_column, largest)
+    matched = np.flatnonzero(row_of_column < len(costs))
+    i, j = row_of_column[matched], matched
+    i, j = (j, i) if tall else (i, j)
+    order = np.argsort(i)
+    return i[order], j[order], last, 0.0 if bound == 0 or (whole and bound < 1) else bound
+
+
+def _final_epsilon(epsilon: float | None, size: int, largest: float, whole: bool) -> float:
+    # Prices reach size * largest, and have 52 bits.
+    least = largest * max(1e-12, 1e-15 * size)
+    size = max(size, 1)
+    if epsilon is None:
+        return max(1 / (size + 1) if whole or largest == 0 else 1e-6 * largest / size, least)
+    if not (epsilon > 0 and np.isfinite(epsilon)):
+        raise errors.parameter("epsilon", "positive and finite", epsilon)
+    if epsilon < least:
+        requirement = "at least 1e-12 (and 1e-15 a row) of the largest cost"
+        raise errors.parameter("epsilon", requirement, epsilon)
+    return float(epsilon)
+
+
+def _auction(costs: Floats, price: Floats, epsilon: float, largest: float) -> Indices:
+    """Rows bid for columns until each has one; ``price`` rises."""
+    size = len(costs)
+    row_of_column, free = np.full(size, -1), list(range(size))[::-1]
+    while free:
+        i = free.pop()
+        values = costs[i] + price
+        j = int(np.argmin(values))
+        lowest, values[j] = values[j], np.inf
+        second = values.min()
+        # A row with one column only can pay any price.
+        price[j] += (second - lowest if second < np.inf else largest) + epsilon
+        if row_of_column[j] >= 0:
+            free.append(int(row_of_column[j]))
+        row_of_column[j] = i
+    return row_of_column
+
+
+def _bound(costs: Floats, price: Floats, row_of_column: Indices, largest: float) -> float:
+    """What the rows pay more than in their best columns, and what sums may lose by rounding."""
+    size = len(costs)
+    scale = max(largest, float(np.abs(price).max(initial=0.0)))
+    bound = 0.0
+    for j, i in enumerate(row_of_column):
+        bound += float(costs[i, j] + price[j] - (costs[i] + price).min())
+    return bound + 2 * float(np.finfo(float).eps) * scale * size
 
 
 def _matrix(costs: Floats) -> None:

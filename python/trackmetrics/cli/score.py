@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ from trackmetrics.tracking import (
     track_purity,
 )
 
-Frames = list[NDArray[np.float64]]
+Places = NDArray[np.intp]
 
 _EXPLANATION = """
 Reads two MOTChallenge files (frame,id,left,top,width,height[,confidence,...]) and compares the
@@ -113,11 +114,13 @@ def score(truth: Boxes, tracks: Boxes, threshold: float, cutoff: float, order: f
     if not len(numbers):
         raise ValueError("neither file has a box that counts")
     first, last = int(numbers.min()), int(numbers.max())
-    x, y = (_centres_by_frame(boxes, first, last) for boxes in (truth, tracks))
+    places = truth.by_frame(first, last), tracks.by_frame(first, last)
+    x = [truth.centres[i] for i in places[0]]
+    y = [tracks.centres[j] for j in places[1]]
     distances = ospa_over_time(x, y, c=cutoff, p=order)
     worst = int(np.argmax(distances))
     frames = mot_metrics(x, y, threshold)
-    labels = paired_labels(truth, tracks, threshold)
+    labels = paired_labels(truth, tracks, zip(*places, strict=True), threshold)
     return Score(
         threshold=threshold,
         cutoff=cutoff,
@@ -139,28 +142,29 @@ def score(truth: Boxes, tracks: Boxes, threshold: float, cutoff: float, order: f
     )
 
 
-def _centres_by_frame(boxes: Boxes, first: int, last: int) -> Frames:
-    order = np.argsort(boxes.frames, kind="stable")
-    starts = np.searchsorted(boxes.frames[order], np.arange(first + 1, last + 1))
-    return np.split(boxes.centres[order], starts)
-
-
-def paired_labels(truth: Boxes, tracks: Boxes, threshold: float) -> NDArray[np.int64]:
+def paired_labels(
+    truth: Boxes, tracks: Boxes, places: Iterable[tuple[Places, Places]], threshold: float
+) -> NDArray[np.int64]:
     """Target, track and frame of every pair: in each frame as many pairs within the threshold as
     there can be, at the least total distance."""
     pairs = [np.empty((3, 0), dtype=np.int64)]
-    for frame in np.intersect1d(truth.frames, tracks.frames):
-        i, j = truth.in_frame(frame), tracks.in_frame(frame)
-        x, y = truth.centres[i], tracks.centres[j]
-        distances = np.linalg.norm(x[:, None] - y[None], axis=-1)
-        near = distances <= threshold
-        # One pair too far costs more than any number of near ones.
-        beyond = (min(near.shape) + 1) * distances[near].max(initial=1.0)
-        rows, columns = linear_sum_assignment(np.where(near, distances, beyond))
-        kept = near[rows, columns]
-        i, j = i[rows[kept]], j[columns[kept]]
+    for i, j in places:
+        near = _near_pairs(truth.centres[i], tracks.centres[j], threshold)
+        i, j = i[near[0]], j[near[1]]
         pairs.append(np.stack([truth.ids[i], tracks.ids[j], truth.frames[i]]))
     return np.concatenate(pairs, axis=1)
+
+
+def _near_pairs(
+    x: NDArray[np.float64], y: NDArray[np.float64], threshold: float
+) -> tuple[Places, Places]:
+    distances = np.linalg.norm(x[:, None] - y[None], axis=-1)
+    near = distances <= threshold
+    # One pair too far costs more than any number of near ones.
+    beyond = (min(near.shape) + 1) * distances[near].max(initial=1.0)
+    rows, columns = linear_sum_assignment(np.where(near, distances, beyond))
+    kept = near[rows, columns]
+    return rows[kept], columns[kept]
 
 
 def _table(s: Score) -> str:

@@ -1,6 +1,47 @@
-"""Is a filter honest about its own uncertainty?"""
+"""Is a filter honest about its own uncertainty?
 
+| file | what it holds |
+| --- | --- |
+| `forms` | NEES and NIS |
+| `chi_square` | the test of a mean, and the credibility interval, of pytcl |
+| `averages` | means over runs, over time, over windows, and the scale they suggest |
+| `correlation` | whiteness of innovations; NEES over time, where it is correlated |
+| `credibility` | covariance and bias over runs; noncredibility and inclination |
+| `distribution` | coverage, probability integral transform, proper scores |
+| `subspace` | which states; the identity of an update |
+"""
+
+from trackmetrics.consistency.averages import (
+    anees,
+    average_nis,
+    covariance_scale,
+    fading_memory_nis,
+    moving_average_nis,
+    normalized_mean_error,
+)
 from trackmetrics.consistency.chi_square import consistency_test, credibility_interval
+from trackmetrics.consistency.correlation import (
+    correlation_time,
+    decorrelated_nees,
+    nees_correlation_time,
+    nees_over_time,
+    whiteness,
+    whiteness_across_runs,
+)
+from trackmetrics.consistency.credibility import (
+    bias_test,
+    covariance_test,
+    hotelling_test,
+    inclination_index,
+    noncredibility_index,
+)
+from trackmetrics.consistency.distribution import (
+    coverage,
+    coverage_curve,
+    excess_nll,
+    gaussian_crps,
+    pit_test,
+)
 from trackmetrics.consistency.forms import (
     average_nees,
     nees,
@@ -8,13 +49,61 @@ from trackmetrics.consistency.forms import (
     nis,
     nis_sequence,
 )
+from trackmetrics.consistency.results import (
+    CovarianceScale,
+    Coverage,
+    CredibilityIndex,
+    DecorrelatedNEES,
+    MeanTest,
+    NormalizedMeanError,
+    SignificanceTest,
+    UniformityTest,
+    UpdateIdentity,
+    Whiteness,
+)
+from trackmetrics.consistency.subspace import marginal_nees, subspace_nees, update_identity
 
 __all__ = [
+    "CovarianceScale",
+    "Coverage",
+    "CredibilityIndex",
+    "DecorrelatedNEES",
+    "MeanTest",
+    "NormalizedMeanError",
+    "SignificanceTest",
+    "UniformityTest",
+    "UpdateIdentity",
+    "Whiteness",
+    "anees",
     "average_nees",
+    "average_nis",
+    "bias_test",
     "consistency_test",
+    "correlation_time",
+    "covariance_scale",
+    "covariance_test",
+    "coverage",
+    "coverage_curve",
     "credibility_interval",
+    "decorrelated_nees",
+    "excess_nll",
+    "fading_memory_nis",
+    "gaussian_crps",
+    "hotelling_test",
+    "inclination_index",
+    "marginal_nees",
+    "moving_average_nis",
     "nees",
+    "nees_correlation_time",
+    "nees_over_time",
     "nees_sequence",
     "nis",
     "nis_sequence",
+    "noncredibility_index",
+    "normalized_mean_error",
+    "pit_test",
+    "subspace_nees",
+    "update_identity",
+    "whiteness",
+    "whiteness_across_runs",
 ]

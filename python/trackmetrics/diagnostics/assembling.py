@@ -1,6 +1,6 @@
 """The record of one track, from its judged quantities."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from trackmetrics.diagnostics.judging import (
     Quantity,
     judge_errors,
     judge_innovations,
+    reconciled,
 )
 from trackmetrics.diagnostics.live import first_alarm
 from trackmetrics.diagnostics.log import EstimatorLog
@@ -34,9 +35,6 @@ from trackmetrics.diagnostics.states import Attribution, attribute, state_record
 
 FAILING = VERDICTS[: VERDICTS.index("transient") + 1]
 """Verdicts that say that an error is larger than claimed."""
-
-SCALED = ("startup_then_pessimistic", "optimistic", "pessimistic", "partly_pessimistic")
-"""Verdicts that a factor on the covariance answers."""
 
 
 @dataclass(frozen=True)
@@ -65,22 +63,34 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
     errors: tuple[StateOffset, ...] = ()
     if nees is not None:
         nees, errors = judge_errors(nees, columns, level)
+        nis, nees = reconciled(nis, nees, errors)
     verdict = combined(nis.word.verdict, None if nees is None else nees.word.verdict)
     biases = _innovation_biases(evidence, found.offsets) + _state_biases(evidence.log, errors)
     attribution = None if nees is None else _attribution(nees, columns)
     states = state_records(columns, evidence.log.states, _onset(nis, nees), attribution)
-    record = _record(evidence, nis, nees, verdict)
-    record = replace(
-        record,
-        cause=found.cause if verdict in (nis.word.verdict, "optimistic", "pessimistic") else None,
+    log, gaps = evidence.log, np.diff(columns.time)
+    return TrackDiagnosis(
+        track=log.tracks[evidence.index],
+        verdict=verdict,
+        nis=quantity_verdict("nis", nis, columns),
+        nees=None if nees is None else quantity_verdict("nees", nees, columns),
+        cause=found.cause if verdict in words.SCALED else None,
         weakest_state=_weakest(verdict, nees, states, biases),
         states=states,
         biases=biases,
         whiteness=_whiteness(found),
         outliers=_outliers(nis, columns),
+        updates=len(columns),
+        tentative=len(columns) - len(evidence.nis.rows),
+        repeated=log.repeated[evidence.index],
+        start_time=float(columns.time[0]),
+        stop_time=float(columns.time[-1]),
+        longest_gap=float(gaps.max()) if len(gaps) else float("nan"),
+        longest_gap_time=float(columns.time[int(np.argmax(gaps))]) if len(gaps) else None,
+        observed=_observed(columns, log.state_names),
         notes=_notes(evidence),
+        time_unit=log.time_unit,
     )
-    return replace(record, text=_text(record, evidence.log.time_unit))
 
 
 def combined(nis: str, nees: str | None) -> str:
@@ -93,36 +103,6 @@ def combined(nis: str, nees: str | None) -> str:
     if verdict == "startup_then_consistent" and any("pessimistic" in v for v in (nis, nees)):
         return "startup_then_pessimistic"
     return verdict
-
-
-def _record(
-    evidence: Evidence, nis: Quantity, nees: Quantity | None, verdict: str
-) -> TrackDiagnosis:
-    """What follows without further ado."""
-    columns, log = evidence.columns, evidence.log
-    gaps = np.diff(columns.time)
-    return TrackDiagnosis(
-        track=log.tracks[evidence.index],
-        verdict=verdict,
-        nis=quantity_verdict("nis", nis, columns),
-        nees=None if nees is None else quantity_verdict("nees", nees, columns),
-        cause=None,
-        weakest_state=None,
-        states=(),
-        biases=(),
-        whiteness=None,
-        outliers=(),
-        updates=len(columns),
-        tentative=len(columns) - len(evidence.nis.rows),
-        repeated=log.repeated[evidence.index],
-        start_time=float(columns.time[0]),
-        stop_time=float(columns.time[-1]),
-        longest_gap=float(gaps.max()) if len(gaps) else float("nan"),
-        longest_gap_time=float(columns.time[int(np.argmax(gaps))]) if len(gaps) else None,
-        observed=_observed(columns, log.state_names),
-        notes=(),
-        text="",
-    )
 
 
 def quantity_verdict(name: str, quantity: Quantity, columns: Columns) -> QuantityVerdict:
@@ -296,19 +276,3 @@ def _notes(evidence: Evidence) -> tuple[str, ...]:
             count, first = int(rows.sum()), words.when(float(time[rows][0]), unit)
             notes.append(f"At {count} update{'s' * (count > 1)} (first at {first}) {text}.")
     return tuple(notes)
-
-
-def _text(record: TrackDiagnosis, unit: str) -> str:
-    sentences = [
-        f"{record.track}: {record.verdict.replace('_', ' ')}, {words.MEANINGS[record.verdict]}."
-    ]
-    sentences.append(words.outliers_first(record.outliers, unit))
-    sentences += [words.quantity(q, unit) for q in (record.nis, record.nees) if q is not None]
-    if record.verdict in SCALED:
-        sentences.append(words.advice(record.nees or record.nis))
-    if record.cause:
-        sentences.append(f"Probable cause: {record.cause}.")
-    sentences += [words.bias(b) for b in record.biases]
-    sentences.append(words.weakest_state(record.weakest_state, record.states))
-    sentences.append(words.coverage(record, unit))
-    return " ".join(s for s in [*sentences, *record.notes] if s)

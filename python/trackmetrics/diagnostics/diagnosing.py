@@ -13,14 +13,16 @@ from trackmetrics.diagnostics.log import EstimatorLog
 from trackmetrics.diagnostics.results import Diagnosis
 from trackmetrics.diagnostics.series import (
     LEAST_UPDATES,
+    Candidates,
     Trace,
     autocorrelation_time,
+    candidates,
+    chosen,
     cut,
-    partitions,
     scores_within,
 )
 
-LEVEL = 0.005
+LEVEL = 0.004
 """Chance of a false alarm of each family of tests."""
 
 
@@ -160,16 +162,19 @@ def _nees_parts(log: EstimatorLog, tracks: list[Columns], level: float) -> list[
     ]
     inflation = _inflation(tracks, rows, values, d, level)
     return [
-        (Trace(v / tau, d / tau, False), r, tau) if len(r) else None
-        for v, r, tau in zip(values, rows, inflation, strict=True)
+        (Trace(v / tau, d / tau, False, found=found), r, tau) if len(r) else None
+        for v, r, (tau, found) in zip(values, rows, inflation, strict=True)
     ]
 
 
 def _inflation(
     tracks: list[Columns], rows: list[Integers], values: list[Floats], d: float, level: float
-) -> list[Floats]:
-    """tau of every NEES: from the model where A and P are logged, else from the values."""
-    tau: list[Floats] = [np.ones(len(r)) for r in rows]
+) -> list[tuple[Floats, Candidates | None]]:
+    """tau of every NEES: from the model where A and P are logged, else from the values.
+
+    One tau for all values of a track scales every gain and moves no cut.
+    """
+    tau: list[tuple[Floats, Candidates | None]] = [(np.ones(len(r)), None) for r in rows]
     modelled = [i for i, (c, r) in enumerate(zip(tracks, rows, strict=True)) if _has_model(c, r)]
     if modelled:
         steps = np.concatenate([transitions(tracks[i], rows[i]) for i in modelled])
@@ -177,14 +182,14 @@ def _inflation(
         starts = np.concatenate([[0], np.cumsum([len(rows[i]) for i in modelled])])
         found = _backend.kernels.nees_inflation(steps, claims, starts.astype(np.int64))
         for i, a, b in zip(modelled, starts[:-1], starts[1:], strict=True):
-            tau[i] = found[a:b]
+            tau[i] = found[a:b], None
     known = set(modelled)
     free = [i for i in range(len(rows)) if i not in known and len(rows[i]) >= LEAST_UPDATES]
     pairs = [(values[i], np.full(len(values[i]), d)) for i in free]
-    for i, (v, m), edges in zip(
-        free, pairs, partitions(pairs, level, corrected=False), strict=True
-    ):
-        tau[i] = np.full(len(v), autocorrelation_time(scores_within(v, m, edges)))
+    for i, pair, best in zip(free, pairs, candidates(pairs), strict=True):
+        scores = scores_within(*pair, chosen(pair, best, level, corrected=False))
+        time = autocorrelation_time(scores)
+        tau[i] = np.full(len(scores), time), Candidates(best.gains / time, best.cuts)
     return tau
 
 

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from trackmetrics.diagnostics import chisquare
-from trackmetrics.diagnostics.series import LEAST_SEGMENT, Stretch, Trace
+from trackmetrics.diagnostics.columns import Floats
+from trackmetrics.diagnostics.series import LEAST_SEGMENT, MATERIAL, Stretch, Trace
 
 STARTUP = 0.5
 """A bad start is over within this share of the track."""
@@ -14,9 +15,13 @@ MOSTLY = 0.5
 NEARLY_ALL = 0.6
 """Share of the updates that must be high for "optimistic" although something is not."""
 STEP = 0.6
-"""A late fault follows a stretch with less than this share of its scale."""
-GROWTH = 2.5
-"""Factor by which the last of all-high stretches must exceed the one before to be late."""
+"""A late fault that follows a bad start comes after a stretch with less than this of its scale."""
+FADING = 0.2
+"""A last stretch with less than this share of the largest scale is the tail of what is over."""
+GROWTH = 5.0
+"""Factor by which the last stretch must exceed one that is too large already, to be late."""
+DOUBTFUL = 0.001
+"""A beginning whose chance is below this is not honest enough for a fault to be late."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +31,8 @@ class Word:
     verdict: str
     onset: int | None = None
     settle: int | None = None
+    by_end: bool = False
+    """Whether only a short beginning or end says so, not the stretches."""
 
 
 def describe(trace: Trace, level: float) -> Word:
@@ -37,7 +44,7 @@ def describe(trace: Trace, level: float) -> Word:
     verdict = word.verdict
     if trace.outliers and verdict == "consistent":
         verdict = "outliers"
-    return Word(verdict, _place(trace, word.onset), _place(trace, word.settle))
+    return Word(verdict, _place(trace, word.onset), _place(trace, word.settle), word.by_end)
 
 
 def _place(trace: Trace, kept: int | None) -> int | None:
@@ -64,14 +71,41 @@ def _from_stretches(trace: Trace) -> Word:
 
 
 def _high_to_the_end(stretches: tuple[Stretch, ...], n: int) -> Word:
-    last, before = stretches[-1], stretches[-2]
-    late = Word("late_divergence", onset=last.start)
-    if all(s.label == "high" for s in stretches):
-        return late if last.scale > GROWTH * before.scale else Word("optimistic")
-    if before.label == "high":
-        return late if last.start >= LATE * n else Word("optimistic")
-    smaller = any(s.scale < STEP * last.scale and len(s) >= LEAST_SEGMENT for s in stretches[:-1])
-    return late if smaller or last.start >= LATE * n else Word("optimistic")
+    """Late, unless the track was too large from the start."""
+    last = stretches[-1]
+    first = next(i for i, s in enumerate(stretches) if s.label == "high")
+    beginning = stretches[:first] or stretches[:1]
+    if first and not _too_large(beginning):
+        return _high_after_honest(stretches, first)
+    if len(stretches) == 2 or all(s.label == "high" for s in stretches):
+        grown = last.scale > GROWTH * max(s.scale for s in stretches[:-1])
+        return Word("late_divergence", onset=last.start) if grown else Word("optimistic")
+    fell = any(s.scale < STEP * last.scale and len(s) >= LEAST_SEGMENT for s in stretches[:-1])
+    if fell and last.start >= LATE * n:
+        return Word("late_divergence", onset=last.start)
+    return Word("optimistic")
+
+
+def _high_after_honest(stretches: tuple[Stretch, ...], first: int) -> Word:
+    """Late from the last time on that it became too large; over, if it has nearly faded."""
+    last = stretches[-1]
+    if last.scale < FADING * max(s.scale for s in stretches):
+        return Word("transient", onset=stretches[first].start)
+    onset = last.start
+    for stretch in reversed(stretches):
+        if stretch.label != "high":
+            break
+        onset = stretch.start
+    return Word("late_divergence", onset=onset)
+
+
+def _too_large(stretches: tuple[Stretch, ...]) -> bool:
+    """Whether these stretches together are materially too large, if only doubtfully so."""
+    return _exceeds(sum(s.sum for s in stretches), sum(s.dof for s in stretches))
+
+
+def _exceeds(total: float, dof: float) -> bool:
+    return total > MATERIAL * dof and bool(chisquare.upper_tail(total, dof) < DOUBTFUL)
 
 
 def _high_before(stretches: tuple[Stretch, ...], n: int) -> Word:
@@ -88,17 +122,32 @@ def _high_before(stretches: tuple[Stretch, ...], n: int) -> Word:
 
 
 def _from_ends(trace: Trace, word: Word, level: float) -> Word:
-    """What a short beginning or end says where the stretches see nothing too large."""
-    if word.verdict not in ("consistent", "pessimistic", "partly_pessimistic"):
+    """What a short beginning or end says where the stretches say nothing of a time.
+
+    A track that is too large as a whole may owe it to its ends.
+    """
+    if len(trace.stretches) > 1 and "high" in {s.label for s in trace.stretches}:
         return word
+    if word.verdict not in ("consistent", "pessimistic", "partly_pessimistic", "optimistic"):
+        return word
+    n, values = len(trace.kept), trace.kept_values()
+    high = word.verdict == "optimistic"
     if trace.end_p < level and trace.end_length >= LEAST_SEGMENT:
-        return Word("late_divergence", onset=len(trace.kept) - trace.end_length)
-    if trace.start_p < level:
-        then = "consistent" if word.verdict == "consistent" else "pessimistic"
-        return Word(f"startup_then_{then}", settle=trace.start_length)
+        onset = n - trace.end_length
+        if not (high and _rest_too_large(*values, slice(onset))):
+            return Word("late_divergence", onset=onset, by_end=True)
+    elif trace.start_p < level and not (
+        high and _rest_too_large(*values, slice(trace.start_length, None))
+    ):
+        then = "pessimistic" if "pessimistic" in word.verdict else "consistent"
+        return Word(f"startup_then_{then}", settle=trace.start_length, by_end=True)
     if word.verdict == "consistent" and any(s.spike for s in trace.stretches):
         return Word("outliers")
     return word
+
+
+def _rest_too_large(values: Floats, dof: Floats, rest: slice) -> bool:
+    return _exceeds(float(values[rest].sum()), float(dof[rest].sum()))
 
 
 def _recovered(trace: Trace, word: Word) -> Word:
@@ -109,5 +158,5 @@ def _recovered(trace: Trace, word: Word) -> Word:
     length = len(values) - word.onset
     end = max(2, min(5, length // 3))
     if length > end and chisquare.upper_tail(values[-end:].sum(), dof[-end:].sum()) > 0.05:
-        return Word("transient", onset=word.onset)
+        return Word("transient", onset=word.onset, by_end=word.by_end)
     return word

@@ -9,12 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmetrics.diagnostics import chisquare
 from trackmetrics.diagnostics.checking import unit_diagonal
-from trackmetrics.diagnostics.columns import Floats, Integers, Words, lengths
+from trackmetrics.diagnostics.columns import Floats, Words, lengths
 
 LEAST_UPDATES = 8
+LEAST_PAIRS = 8
 
 CAUSES: Mapping[tuple[str, int], str] = {
     ("high", 1): "process noise too small",
@@ -56,17 +58,31 @@ class Correlation:
     z: float
     p_value: float
     pairs: int
+    late_z: float
+    """The same in standard deviations, of the second half alone."""
+
+    @property
+    def memory(self) -> float:
+        """By how much it widens the variance of a mean, were it to fade geometrically."""
+        lag1 = min(max(self.lag1, 0.0), 0.9)
+        return (1 + lag1) / (1 - lag1)
 
     def sign(self, level: float) -> int:
         """Its sign where it is significant, else 0."""
         return int(np.sign(self.z)) if self.p_value < level else 0
 
+    def lasting_sign(self, level: float) -> int:
+        """Its sign where the second half agrees: what a bad start leaves behind fades."""
+        sign = self.sign(level)
+        return sign if sign * self.late_z > LASTING else 0
 
-def offsets(innovations: Innovations) -> list[Offset]:
+
+def offsets(innovations: Innovations, memory: float = 1.0) -> list[Offset]:
     """The mean of every component of every measurement type that has 8 updates, Holm-corrected.
 
     By generalised least squares with the claimed covariances; the variance is widened where the
-    residuals are wider than claimed, and by their correlation in time (Newey and West 1987).
+    residuals are wider than claimed or correlated in time (Newey and West 1987,
+    doi:10.2307/1913610), and by at least the factor ``memory``.
     """
     found = []
     widths = lengths(innovations.values)
@@ -75,7 +91,7 @@ def offsets(innovations: Innovations) -> list[Offset]:
         if len(rows) >= LEAST_UPDATES and len(set(widths[rows])) == 1:
             m = int(widths[rows[0]])
             s = innovations.covariances[rows, :m, :m]
-            found += _offsets_of(str(kind), innovations.values[rows, :m], s)
+            found += _offsets_of(str(kind), innovations.values[rows, :m], s, memory)
     if not found:
         return []
     corrected = chisquare.holm(np.array([o.p_value for o in found]))
@@ -85,27 +101,47 @@ def offsets(innovations: Innovations) -> list[Offset]:
     ]
 
 
-def _offsets_of(kind: str, values: Floats, covariances: Floats) -> list[Offset]:
+def _offsets_of(kind: str, values: Floats, covariances: Floats, memory: float) -> list[Offset]:
     weights = np.linalg.inv(covariances)
     variance = np.linalg.inv(weights.sum(axis=0))
     means = variance @ np.einsum("kij,kj->i", weights, values)
     residuals = (values - means) / np.sqrt(covariances.diagonal(axis1=1, axis2=2))
-    z = means / np.sqrt(variance.diagonal() * widening(residuals))
-    p = chisquare.student_two_sided(z, len(values) - 1)
+    spread = _excess_spread(residuals)
+    z = means / np.sqrt(variance.diagonal() * spread * np.maximum(memory, _memory(residuals)))
+    # A variance that is claimed needs no Student; one that is estimated does.
+    p = np.where(
+        spread > 1,
+        chisquare.student_two_sided(z, len(values) - 1),
+        chisquare.normal_two_sided(z),
+    )
     return [Offset(kind, j, float(means[j]), float(z[j]), float(p[j])) for j in range(len(means))]
 
 
-def widening(residuals: Floats) -> Floats:
-    """By how much the variance of a mean exceeds that of independent unit residuals; at least 1."""
+NOTABLE = 0.05
+"""Chance below which residuals count as wider than claimed."""
+
+
+def _excess_spread(residuals: Floats) -> Floats:
+    """The variance of unit residuals where it is significantly above 1, else 1."""
+    squares = (residuals**2).sum(axis=0)
+    wide = chisquare.upper_tail(squares, len(residuals) - 1) < NOTABLE
+    return np.where(wide, np.maximum(1.0, squares / len(residuals)), 1.0)
+
+
+def _memory(residuals: Floats) -> Floats:
+    """By how much correlation in time widens the variance of a mean; at least 1.
+
+    With Bartlett weights up to the cube root of n, over the lags whose correlation is notable.
+    """
     n = len(residuals)
-    spread = np.maximum((residuals**2).mean(axis=0), 1e-300)
+    power = np.maximum((residuals**2).sum(axis=0), 1e-300)
     longest = max(1, round(n ** (1 / 3)))
     memory = np.ones(residuals.shape[1])
     for lag in range(1, min(longest, n - 1) + 1):
-        shared = (residuals[:-lag] * residuals[lag:]).sum(axis=0) / n / spread
-        memory += 2 * (1 - lag / (longest + 1)) * shared
-    widened: Floats = np.maximum(1.0, spread) * np.maximum(1.0, memory)
-    return widened
+        shared = (residuals[:-lag] * residuals[lag:]).sum(axis=0) / power
+        notable = np.abs(shared) > 2 / np.sqrt(n)
+        memory += np.where(notable, 2 * (1 - lag / (longest + 1)) * shared, 0.0)
+    return np.maximum(1.0, memory)
 
 
 def without(innovations: Innovations, biases: list[Offset]) -> Innovations:
@@ -125,22 +161,31 @@ def whitened(innovations: Innovations) -> Floats:
     return white
 
 
+CLIPPED = 3.0
+"""Robust deviations at which an innovation is clipped: one huge pair proves no correlation."""
+
+
 def correlation(innovations: Innovations) -> Correlation:
     """Lag-1 correlation over the components that neighbours share."""
     white, there = whitened(innovations), ~np.isnan(innovations.values)
+    most = CLIPPED * float(np.median(np.abs(white[there]))) / 0.6745
+    white = np.clip(white, -most, most)
+    half = len(white) // 2
+    lag1, z, pairs = _lag1(white, there)
+    _, late_z, _ = _lag1(white[half:], there[half:])
+    return Correlation(lag1, z, float(chisquare.normal_two_sided(z)), pairs, late_z)
+
+
+LASTING = 0.5
+
+
+def _lag1(white: Floats, there: NDArray[np.bool_]) -> tuple[float, float, int]:
+    """Correlation with the next, in standard deviations, and over how many pairs."""
     shared = there[:-1] & there[1:]
     before, after = white[:-1][shared], white[1:][shared]
     pairs = int(shared.sum())
     power = 0.5 * float(before @ before + after @ after)
-    if pairs < LEAST_UPDATES or power <= 0:
-        return Correlation(float("nan"), 0.0, 1.0, pairs)
+    if pairs < LEAST_PAIRS or power <= 0:
+        return float("nan"), 0.0, pairs
     lag1 = float(before @ after) / power
-    z = lag1 * float(np.sqrt(pairs))
-    return Correlation(lag1, z, float(chisquare.normal_two_sided(z)), pairs)
-
-
-def rows_of(innovations: Innovations, rows: Integers) -> Innovations:
-    """Some of the updates."""
-    return Innovations(
-        innovations.values[rows], innovations.covariances[rows], innovations.types[rows]
-    )
+    return lag1, lag1 * float(np.sqrt(pairs)), pairs

@@ -4,16 +4,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from trackmetrics.diagnostics import chisquare
 from trackmetrics.diagnostics import innovations as nu
 from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
 from trackmetrics.diagnostics.deriving import quadratic_forms
 from trackmetrics.diagnostics.grammar import Word
 from trackmetrics.diagnostics.innovations import Correlation, Innovations, Offset
+from trackmetrics.diagnostics.outlying import robust_scale
 from trackmetrics.diagnostics.series import MATERIAL, Stretch, Trace
 from trackmetrics.diagnostics.state_bias import StateOffset, state_offsets
 
 EXPLAINED = 0.5
 """Share of the excess that a bias must take away to be the verdict."""
+CERTAIN = 1e-4
+"""Chance below which the NEES before a fault was too large already."""
+FAR = 2.0
+"""Scale of the NEES above which it should show a bias that is real."""
+WELL_BEFORE = 2 / 3
+"""Share of the updates before a fault that stand for what was before it."""
+LEANING = 0.05
+"""Chance below which the size of correlated innovations decides what to call them."""
 
 
 @dataclass(frozen=True)
@@ -68,16 +78,36 @@ def judge_innovations(
     kinds = np.full(len(rows), "", object) if types is None else types[rows].astype(str)
     found = Innovations(values[rows], columns.S[rows], kinds.astype(object))
     biases = [o for o in nu.offsets(found) if o.p_value < level]
+    white = nu.correlation(nu.without(found, biases))
+    if biases and white.sign(level) > 0:
+        biases = [o for o in nu.offsets(found, white.memory) if o.p_value < level]
     clean = nu.without(found, biases)
-    white = nu.correlation(clean)
     sign = white.sign(level)
     verdict = nis.word.verdict
     if biases:
-        verdict = _biased(verdict, found, clean)
+        verdict = "biased" if _only_an_end(nis.word) else _biased(verdict, found, clean)
     elif verdict == "consistent" and sign:
-        verdict = "non_white"
-    cause = _cause(verdict, sign) if not nis.trace.outliers else None
+        verdict = _leaning(clean)
+    cause = _cause(verdict, white.lasting_sign(level))
+    if cause == "measurement noise too small" and _heavy_tailed(nis, level):
+        cause = None
     return nis.called(verdict), InnovationFindings(tuple(biases), white, cause)
+
+
+def _only_an_end(word: Word) -> bool:
+    """Whether an end of the track is too large where the stretches are not."""
+    return word.by_end and not word.verdict.endswith("pessimistic")
+
+
+def _leaning(innovations: Innovations) -> str:
+    """What to call innovations that are correlated in time: by their size, if it says anything."""
+    dof = float((~np.isnan(innovations.values)).sum())
+    total = float((nu.whitened(innovations) ** 2).sum())
+    if chisquare.upper_tail(total, dof) < LEANING / 2:
+        return "optimistic"
+    if chisquare.lower_tail(total, dof) < LEANING / 2:
+        return "pessimistic"
+    return "non_white"
 
 
 def _biased(verdict: str, found: Innovations, clean: Innovations) -> str:
@@ -89,6 +119,14 @@ def _biased(verdict: str, found: Innovations, clean: Innovations) -> str:
     dof = float((~np.isnan(found.values)).sum())
     before, after = (float((nu.whitened(i) ** 2).sum()) / dof for i in (found, clean))
     return "biased" if before - after > EXPLAINED * (before - 1.0) else verdict
+
+
+def _heavy_tailed(nis: Quantity, level: float) -> bool:
+    """Whether there are outliers: they too make innovations large, and alternate."""
+    values, dof = nis.trace.kept_values()
+    scale = robust_scale(values, dof)
+    extreme = chisquare.upper_tail(values / scale, dof).min() < level / len(values)
+    return bool(nis.trace.outliers) or bool(extreme)
 
 
 def _cause(verdict: str, sign: int) -> str | None:
@@ -112,12 +150,15 @@ def judge_errors(
     biases = tuple(o for o in state_offsets(e, p, steps) if o.p_value < level)
     verdict = nees.word.verdict
     open_to_bias = ("consistent", "optimistic", "transient", "outliers", "partly_pessimistic")
-    if biases and verdict in open_to_bias and _explains(e, p, biases):
+    if biases and verdict in open_to_bias and _explains(e, p, biases, level):
         return nees.called("biased"), biases
     return nees, biases
 
 
-def _explains(errors: Floats, covariances: Floats, biases: tuple[StateOffset, ...]) -> bool:
+def _explains(
+    errors: Floats, covariances: Floats, biases: tuple[StateOffset, ...], level: float
+) -> bool:
+    """Whether the biases take away most of the excess; without one they must be the surer."""
     bias = np.zeros(errors.shape[1])
     for offset in biases:
         bias[offset.state] = offset.value
@@ -125,7 +166,9 @@ def _explains(errors: Floats, covariances: Floats, biases: tuple[StateOffset, ..
         float(quadratic_forms(e, covariances).mean()) / errors.shape[1]
         for e in (errors, errors - bias)
     )
-    return bool(before < MATERIAL or before - after > EXPLAINED * (before - 1.0))
+    if before < MATERIAL:
+        return min(b.p_value for b in biases) < level / 4
+    return bool(before - after > EXPLAINED * (before - 1.0))
 
 
 def transitions(columns: Columns, rows: Integers) -> Floats:
@@ -134,3 +177,40 @@ def transitions(columns: Columns, rows: Integers) -> Floats:
     known = present(columns.A[rows])
     known[1:] &= np.diff(rows) == 1
     return np.where(known[:, None, None], np.nan_to_num(columns.A[rows]), 0.0)
+
+
+def reconciled(
+    nis: Quantity, nees: Quantity, state_biases: tuple[StateOffset, ...]
+) -> tuple[Quantity, Quantity]:
+    """NIS and NEES, each in the light of the other.
+
+    What only an end of one of them shows gives way to a bias that the other shows: a filter absorbs
+    a bias as it starts. A mean innovation is no bias where the errors are far too large and have no
+    mean. And a NIS that diverges late is optimistic where the NEES was so from the start.
+    """
+    if nees.word.verdict == "biased" and _only_an_end(nis.word):
+        nis = replace(nis, word=Word("consistent"))
+    if nis.word.verdict == "biased" and _only_an_end(nees.word):
+        nees = replace(nees, word=Word("consistent"))
+    unexplained = nees.word.verdict == "optimistic" and not state_biases
+    if nis.word.verdict == "biased" and unexplained and _scale(nees) > FAR:
+        nis = replace(nis, word=Word("optimistic"))
+    onset = nis.word.onset
+    late = (nis.word.verdict, nees.word.verdict) == ("late_divergence", "optimistic")
+    if late and onset is not None and dishonest_before(nees, int(nis.rows[onset])):
+        nis = replace(nis, word=Word("optimistic"))
+    return nis, nees
+
+
+def _scale(quantity: Quantity) -> float:
+    values, dof = quantity.trace.kept_values()
+    return float(values.sum() / dof.sum())
+
+
+def dishonest_before(nees: Quantity, onset: int) -> bool:
+    """Whether the NEES was too large already before this update: then nothing began there."""
+    # The NEES may rise a little before the NIS does.
+    before = nees.rows[nees.trace.kept] < onset * WELL_BEFORE
+    values, dof = (column[before] for column in nees.trace.kept_values())
+    total, m = float(values.sum()), float(dof.sum())
+    return total > MATERIAL * m and bool(chisquare.upper_tail(total, m) < CERTAIN)

@@ -16,17 +16,24 @@ MOST = 0.12
 """Above this share of the updates they are no outliers but a fault."""
 ISOLATED = 0.7
 """Share of the large values that must stand alone."""
+DRAGGED = 2
+"""Most large values that one bad measurement makes."""
+NEAR = 3
+"""Large values that are no further apart belong together."""
 
 
 def set_aside(traces: Sequence["Trace"], level: float) -> None:
-    """Takes outliers out of ``kept``: extreme under the robust scale, and alone."""
+    """Takes outliers out of ``kept``: extreme under the robust scale of the rest, and alone."""
     for trace in _suspicious(traces, level):
-        values, dof = trace.kept_values()
-        while len(found := _isolated(values, dof, level)):
-            trace.kept = np.delete(trace.kept, found)
-            values, dof = trace.kept_values()
-        kept = set(trace.kept.tolist())
-        trace.outliers = tuple(k for k in range(len(trace.values)) if k not in kept)
+        outliers: Integers = np.empty(0, np.int64)
+        while True:
+            scale = robust_scale(*trace.kept_values())
+            found = _isolated(trace.values, trace.dof, scale, level)
+            if len(found) <= len(outliers):
+                break
+            outliers = found
+            trace.kept = np.setdiff1d(np.arange(len(trace.values)), outliers)
+        trace.outliers = tuple(outliers.tolist())
 
 
 def _suspicious(traces: Sequence["Trace"], level: float) -> list["Trace"]:
@@ -50,12 +57,22 @@ def robust_scale(values: Floats, dof: Floats) -> float:
     return max(1.0, float(np.median(values / chisquare.quantile(0.5, dof))))
 
 
-def _isolated(values: Floats, dof: Floats, level: float) -> Integers:
+def _isolated(values: Floats, dof: Floats, scale: float, level: float) -> Integers:
+    """Extreme values that stand alone, and what they drag along.
+
+    A bad measurement pulls the estimate away, so that one or two innovations after it may be large
+    as well, but smaller; a fault grows.
+    """
     n = len(values)
-    tails = chisquare.upper_tail(values / robust_scale(values, dof), dof)
+    tails = chisquare.upper_tail(values / scale, dof)
     hits = np.flatnonzero(tails < level / n)
     if not 0 < len(hits) <= max(1.0, MOST * n):
         return hits[:0]
-    near = np.isin(hits - 1, hits) | np.isin(hits + 1, hits)
-    alone = hits[~near & (hits >= 2) & (hits < n - 2)]
-    return alone if len(alone) >= ISOLATED * len(hits) else hits[:0]
+    runs = np.split(hits, np.flatnonzero(np.diff(hits) > NEAR) + 1)
+    alone = [
+        run
+        for run in runs
+        if len(run) <= DRAGGED and values[run].argmax() == 0 and run[0] >= 2 and run[-1] < n - 2
+    ]
+    count = sum(map(len, alone))
+    return np.concatenate(alone) if alone and count >= ISOLATED * len(hits) else hits[:0]

@@ -41,14 +41,20 @@ def _drawn(pattern: tuple[float, ...], least: int, level: float) -> float:
 def deserved(gains: Floats, dof: Floats, least: int, level: float, factor: float = 1.0) -> int:
     """How many cuts pay for their penalty (times ``factor``), from the gains with 0, 1, 2, ...
 
-    The penalty lies between two bounds that cost nothing: it is drawn only where they disagree.
+    The penalty of the very pattern is drawn only where bounds that cost less cannot decide.
     """
-    steps = np.arange(len(gains))
-    low, high = _bounds(level)
-    few, many = (int(np.argmax(gains - steps * bound * factor)) for bound in (high, low))
-    if few == many:
-        return few
-    return int(np.argmax(gains - steps * penalty(dof, least, level) * factor))
+    listed = gains.tolist()
+    for bounds in (_bounds(level), None):
+        low, high = bounds or _near(dof, least, level)
+        few = _count(listed, high * factor)
+        if few == _count(listed, low * factor):
+            return few
+    return _count(listed, penalty(dof, least, level) * factor)
+
+
+def _count(gains: list[float], price: float) -> int:
+    """The number of cuts with the largest gain after their price; the least of equals."""
+    return max(range(len(gains)), key=lambda s: (gains[s] - s * price, -s))
 
 
 @lru_cache(maxsize=64)
@@ -60,3 +66,25 @@ def _bounds(level: float) -> tuple[float, float]:
     """
     low = float(chisquare.quantile(1.0 - level, 1.0))
     return low, 2.0 * float(chisquare.quantile(1.0 - level / 5000.0, 1.0))
+
+
+WITHIN = 1.2
+"""A mixed pattern's penalty is within this factor of that of an even one of a similar length."""
+MILD = 10.0
+"""Provided that its degrees of freedom differ by no more than this factor."""
+
+
+def _near(dof: Floats, least: int, level: float) -> tuple[float, float]:
+    """Bounds from an even pattern of about this length and mean, whose penalty others share."""
+    if dof.max() > MILD * dof.min() or dof.min() < 0.5:
+        return _bounds(level)
+    # Steps of a fifth: the penalty grows with the logarithm of the logarithm of the length.
+    length = round(1.2 ** round(np.log(len(dof)) / np.log(1.2)))
+    mean = float(np.round(dof.mean() * 2) / 2)
+    even = _even(max(length, 2 * least), max(mean, 0.5), least, level)
+    return even / WITHIN, even * WITHIN
+
+
+@lru_cache(maxsize=4096)
+def _even(length: int, mean: float, least: int, level: float) -> float:
+    return penalty(np.full(length, mean), least, level)

@@ -236,8 +236,19 @@ class TrackDiagnosis(Record):
     """The states that each measurement type observes."""
     notes: tuple[str, ...]
     """Suspicions and remarks that do not change the verdict."""
-    text: str
-    """One paragraph of plain English with the numbers."""
+    time_unit: str = "s"
+    """Unit of all times."""
+
+    @property
+    def text(self) -> str:
+        """One paragraph of plain English with the numbers."""
+        from trackmetrics.diagnostics.words import paragraph
+
+        return paragraph(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields and the paragraph as dictionaries, lists, numbers and strings."""
+        return {**super().to_dict(), "text": self.text}
 
     @property
     def consistent(self) -> bool:

@@ -61,6 +61,8 @@ def state_records(
     columns: Columns, states: tuple[State, ...], onset: int | None, attribution: Attribution | None
 ) -> tuple[StateDiagnosis, ...]:
     """One record a state; support is counted before the ``onset`` of a fault, if there is one."""
+    if attribution is None and columns.observed is None and columns.std is None:
+        return _unknown(states)
     observed = _observed(columns, len(states))
     growth = _growth(columns)
     gains = _gains(columns)
@@ -92,6 +94,17 @@ def state_records(
             )
         )
     return tuple(records)
+
+
+@lru_cache(maxsize=16)
+def _unknown(states: tuple[State, ...]) -> tuple[StateDiagnosis, ...]:
+    """Records of states of which the log has nothing but the names."""
+    return tuple(
+        StateDiagnosis(
+            s.name, s.unit, (), None, NAN, NAN, NAN, None, None, NAN, None, NAN, NAN, NAN, NAN
+        )
+        for s in states
+    )
 
 
 def _mean(values: Floats) -> float:

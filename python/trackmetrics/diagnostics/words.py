@@ -131,3 +131,23 @@ def coverage(record: TrackDiagnosis, unit: str) -> str:
         gap = when(record.longest_gap, unit)
         text += f"; longest gap {gap}, from {when(record.longest_gap_time, unit)}"
     return text + "."
+
+
+SCALED = ("startup_then_pessimistic", "optimistic", "pessimistic", "partly_pessimistic")
+"""Verdicts that a factor on the covariance answers."""
+
+
+def paragraph(record: TrackDiagnosis) -> str:
+    """The diagnosis of a track: outliers first, then what the quantities say, then why."""
+    unit, name = record.time_unit, record.verdict.replace("_", " ")
+    sentences = [f"{record.track}: {name}, {MEANINGS[record.verdict]}."]
+    sentences.append(outliers_first(record.outliers, unit))
+    sentences += [quantity(q, unit) for q in (record.nis, record.nees) if q is not None]
+    if record.verdict in SCALED:
+        sentences.append(advice(record.nees or record.nis))
+    if record.cause:
+        sentences.append(f"Probable cause: {record.cause}.")
+    sentences += [bias(b) for b in record.biases]
+    sentences.append(weakest_state(record.weakest_state, record.states))
+    sentences.append(coverage(record, unit))
+    return " ".join(s for s in [*sentences, *record.notes] if s)

@@ -46,9 +46,11 @@ class Boxes:
         keep = ~(self.confidence < 1)
         return Boxes(self.frames[keep], self.ids[keep], self.boxes[keep], self.confidence[keep])
 
-    def in_frame(self, frame: int) -> NDArray[np.intp]:
-        """The places of the boxes of one frame, in the order of the file."""
-        return np.flatnonzero(self.frames == frame)
+    def by_frame(self, first: int, last: int) -> list[NDArray[np.intp]]:
+        """The places of the boxes of each frame from first to last, in the order of the file."""
+        order = np.argsort(self.frames, kind="stable")
+        starts = np.searchsorted(self.frames[order], np.arange(first, last + 2))
+        return np.split(order, starts)[1:-1]
 
 
 def read_mot_challenge(path: str | os.PathLike[str]) -> Boxes:

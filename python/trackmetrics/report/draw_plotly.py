@@ -124,7 +124,7 @@ def _layout(scene: Scene) -> Json:
         "hovermode": "closest",
         "dragmode": "zoom",
         "showlegend": any(panel.legend for panel in scene.panels),
-        "legend": {"orientation": "h", "x": 1, "xanchor": "right", "y": 1, "yanchor": "top"},
+        "legend": _legend(scene),
         "shapes": [],
         "annotations": [],
     }
@@ -138,6 +138,22 @@ def _layout(scene: Scene) -> Json:
             _words(scene, left, 46, scene.subtitle, 13, "@muted"),
         ]
     return layout
+
+
+def _legend(scene: Scene) -> Json:
+    """Above the right end of the panel that has one."""
+    place = next((panel.place for panel in scene.panels if panel.legend), None)
+    if place is None:
+        return {}
+    return {
+        "orientation": "h",
+        "x": (place.left + place.width) / scene.width,
+        "xanchor": "right",
+        "y": 1 - (place.top - 2) / scene.height,
+        "yanchor": "bottom",
+        "font": {"size": 11.5, "color": "@ink"},
+        "bgcolor": "@surface/0",
+    }
 
 
 def _words(scene: Scene, left: float, top: float, text: str, size: float, colour: str) -> Json:
@@ -208,8 +224,9 @@ def _y_scale(panel: Panel) -> Json:
     return scale
 
 
-def _hover(name: str) -> str:
-    return f"%{{x:.2f}} min<br>%{{y:.4g}}<extra>{name}</extra>"
+def _hover(target: _Target, name: str) -> str:
+    unit = f" {target.panel.x_unit}".rstrip()
+    return f"%{{x:.4g}}{unit}<br>%{{y:.4g}}<extra>{name}</extra>"
 
 
 def _line(target: _Target, mark: Line) -> None:
@@ -222,7 +239,7 @@ def _line(target: _Target, mark: Line) -> None:
         x=numbers(mark.x),
         y=numbers(mark.y, target.panel.log),
         line=line,
-        **({"hovertemplate": _hover(mark.name)} if mark.name else {"hoverinfo": "skip"}),
+        **({"hovertemplate": _hover(target, mark.name)} if mark.name else {"hoverinfo": "skip"}),
     )
 
 
@@ -239,7 +256,7 @@ def _points(target: _Target, mark: Points) -> None:
             "color": f"@{mark.colour}",
             "line": {**outline, "width": 1.3 if mark.hollow else 0.5},
         },
-        hovertemplate=_hover(mark.name),
+        hovertemplate=_hover(target, mark.name),
         cliponaxis=False,
     )
 

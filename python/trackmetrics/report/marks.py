@@ -152,6 +152,8 @@ class Panel:
     """Whether the named lines and bands are listed."""
     linked: bool = True
     """Whether its x axis moves with those of the other panels."""
+    x_unit: str = "min"
+    """Unit of the x axis, for what one points at."""
 
 
 @dataclass(frozen=True)

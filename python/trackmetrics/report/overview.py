@@ -25,6 +25,10 @@ from trackmetrics.report.theme import glyph, verdict_role, words
 
 LANE = 24.0
 """Height of a track in the overview, in pixels."""
+_LANES = (
+    "Upper half NIS, lower half NEES; red: covariance too small, blue: too large, green: honest; "
+    "▲ onset, ◆ alarm"
+)
 FEW = 60
 """Updates of a track up to which its points are drawn boldly in the comparison."""
 
@@ -37,7 +41,7 @@ def lanes_scene(subjects: Sequence[Subject], title: str) -> Scene:
     panel = Panel(
         place,
         tuple(marks),
-        title="Upper half NIS, lower half NEES; red: covariance too small, blue: too large",
+        title=_LANES,
         x_label=subjects[0].clock.label if subjects else "minutes since start",
         y_label="",
         x_limits=subjects[0].x_limits if subjects else (0.0, 1.0),
@@ -107,7 +111,7 @@ def comparison_scene(subjects: Sequence[Subject], drawn: Sequence[Subject] | Non
     frame = Frame()
     with_nees = any(subject.track.nees is not None for subject in subjects)
     quantities = ("nis", "nees") if with_nees else ("nis",)
-    places = frame.rows(26.0, [230.0] * len(quantities), 40.0)
+    places = frame.rows(52.0, [230.0] * len(quantities), 40.0)
     panels = [
         _comparison_panel(subjects, subjects if drawn is None else drawn, quantity, place)
         for quantity, place in zip(quantities, places, strict=True)

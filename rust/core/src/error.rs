@@ -124,10 +124,24 @@ pub enum Error {
         /// How many points there are.
         points: usize,
     },
+    /// The steps of a trajectory do not rise.
+    Steps {
+        /// The argument's name.
+        argument: &'static str,
+        /// Which trajectory.
+        index: usize,
+    },
     /// A cost matrix with an element that no assignment can use.
     InvalidCosts,
     /// A cost matrix in which every complete assignment has an infinite cost.
     Infeasible,
+    /// One of many cost matrices cannot be used.
+    Matrix {
+        /// Which.
+        index: usize,
+        /// What is wrong with it.
+        error: Box<Error>,
+    },
     /// Whoever called the kernel asked it to stop.
     Interrupted,
 }
@@ -174,8 +188,10 @@ impl fmt::Display for Error {
             Self::Offsets { argument, points } => {
                 write!(f, "{argument}: starts must rise from 0 to {points}, the number of points")
             }
+            Self::Steps { argument, index } => write!(f, "{argument}[{index}]: steps must rise"),
             Self::InvalidCosts => write!(f, "matrix contains invalid numeric entries"),
             Self::Infeasible => write!(f, "cost matrix is infeasible"),
+            Self::Matrix { index, error } => write!(f, "costs[{index}]: {error}"),
             Self::Interrupted => write!(f, "interrupted"),
         }
     }

@@ -6,18 +6,25 @@
 //! loaded and transposed in registers, in blocks of four elements.
 
 use crate::simd::{Width, limit};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 #[cfg(target_arch = "x86_64")]
 use pulp::{
     cast,
     x86::{V3, V4},
 };
 
+/// The most lanes that a vector has.
+pub const MOST: usize = 8;
+
 /// Loads records transposed.
 pub trait Load<S: Simd>: Copy {
-    /// Element `i` of record `l` in lane `l` of vector `i`, for as many records of `E` elements as
-    /// there are lanes; `records` holds at least those.
-    fn load<const E: usize>(self, simd: S, records: &[f64]) -> [S::f64s; E];
+    /// Element `i` of record `l` into lane `l` of `vectors[i]`, for as many records as there are
+    /// lanes. The records have as many elements as there are vectors.
+    fn load(self, simd: S, records: &[f64], vectors: &mut [S::f64s]);
+
+    /// Asks the memory for records that will soon be loaded.
+    #[inline(always)]
+    fn fetch(self, _simd: S, _records: &[f64]) {}
 }
 
 /// What [`dispatch`] runs: a kernel over lanes of any width.
@@ -45,8 +52,9 @@ pub fn dispatch<Op: WithLanes>(operation: Op) -> Op::Output {
             return Simd::vectorize(simd, On(operation, simd));
         }
     }
+    #[cfg(not(target_arch = "x86_64"))]
     if limit == Width::Widest {
-        return Arch::new().dispatch(Gathered(operation));
+        return pulp::Arch::new().dispatch(Gathered(operation));
     }
     Gathered(operation).with_simd(pulp::Scalar::new())
 }
@@ -86,80 +94,113 @@ struct Each;
 
 impl<S: Simd> Load<S> for Each {
     #[inline(always)]
-    fn load<const E: usize>(self, simd: S, records: &[f64]) -> [S::f64s; E] {
-        let mut vectors = [simd.splat_f64s(0.0); E];
+    fn load(self, simd: S, records: &[f64], vectors: &mut [S::f64s]) {
+        let size = vectors.len();
         for (i, vector) in vectors.iter_mut().enumerate() {
-            let mut column = [0.0; 64];
+            let mut column = [0.0; MOST];
             for (l, value) in column[..S::F64_LANES].iter_mut().enumerate() {
-                *value = records[l * E + i];
+                *value = records[l * size + i];
             }
             *vector = simd.partial_load_f64s(&column[..S::F64_LANES]);
         }
-        vectors
     }
 }
 
-/// Loads rows and transposes them in registers.
+/// Loads rows and transposes them in registers, four elements of every record at a time.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 struct Transposed;
 
-/// Four consecutive elements.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn four(records: &[f64], from: usize) -> std::arch::x86_64::__m256d {
-    let values = &records[from..from + 4];
-    cast([values[0], values[1], values[2], values[3]])
-}
-
-/// The first element of each block of four, so that blocks cover `E` elements; the last may overlap
-/// the one before it. `None` where the element is better loaded by itself.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-const fn block<const E: usize>(at: usize) -> Option<usize> {
-    if at + 4 <= E {
-        Some(at)
-    } else if E >= 4 && E - at >= 2 {
-        Some(E - 4)
-    } else {
-        None
-    }
-}
-
 #[cfg(target_arch = "x86_64")]
 impl Load<V3> for Transposed {
     #[inline(always)]
-    fn load<const E: usize>(self, simd: V3, records: &[f64]) -> [pulp::f64x4; E] {
-        let records = &records[..4 * E];
-        let mut vectors = [pulp::f64x4(0.0, 0.0, 0.0, 0.0); E];
-        let mut at = 0;
-        while at < E {
-            if let Some(from) = block::<E>(at) {
-                vectors[from..from + 4].copy_from_slice(&transpose4(simd, records, from, E));
-                at = from + 4;
-            } else {
-                vectors[at] = pulp::f64x4(
-                    records[at],
-                    records[E + at],
-                    records[2 * E + at],
-                    records[3 * E + at],
-                );
-                at += 1;
+    fn fetch(self, simd: V3, records: &[f64]) {
+        for line in records.chunks(8) {
+            simd.sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(line.as_ptr().cast());
+        }
+    }
+
+    #[inline(always)]
+    fn load(self, simd: V3, records: &[f64], vectors: &mut [pulp::f64x4]) {
+        let size = vectors.len();
+        if let ([vector], Some(values)) = (&mut *vectors, records.first_chunk::<4>()) {
+            *vector = cast(*values);
+            return;
+        }
+        let rows = rows::<4>(records, size);
+        let fours = rows.map(|row| row.as_chunks::<4>().0);
+        let mut blocks = vectors.chunks_exact_mut(4);
+        for (b, block) in (&mut blocks).enumerate() {
+            block.copy_from_slice(&transpose4(simd, &fours, b));
+        }
+        let rest = blocks.into_remainder();
+        if size > 4 && rest.len() > 1 {
+            // One block more, over the last four: it repeats elements of the block before.
+            let fours = rows.map(|row| row.as_rchunks::<4>().1);
+            let last = transpose4(simd, &fours, size / 4 - 1);
+            rest.copy_from_slice(&last[4 - rest.len()..]);
+        } else {
+            for (k, vector) in rest.iter_mut().enumerate() {
+                let [a, b, c, d] = rows.map(|row| row[size / 4 * 4 + k]);
+                *vector = cast(simd.avx._mm256_setr_pd(a, b, c, d));
             }
         }
-        vectors
     }
 }
 
-/// Elements `from .. from + 4` of four records of `size` elements, one vector each.
+#[cfg(target_arch = "x86_64")]
+impl Load<V4> for Transposed {
+    #[inline(always)]
+    fn fetch(self, simd: V4, records: &[f64]) {
+        for line in records.chunks(8) {
+            simd.sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(line.as_ptr().cast());
+        }
+    }
+
+    #[inline(always)]
+    fn load(self, simd: V4, records: &[f64], vectors: &mut [pulp::f64x8]) {
+        let size = vectors.len();
+        if let ([vector], Some(values)) = (&mut *vectors, records.first_chunk::<8>()) {
+            *vector = cast(*values);
+            return;
+        }
+        let rows = rows::<8>(records, size);
+        let fours = rows.map(|row| row.as_chunks::<4>().0);
+        let mut blocks = vectors.chunks_exact_mut(4);
+        for (b, block) in (&mut blocks).enumerate() {
+            block.copy_from_slice(&transpose8(simd, &fours, b));
+        }
+        let rest = blocks.into_remainder();
+        if size > 4 && rest.len() > 1 {
+            let fours = rows.map(|row| row.as_rchunks::<4>().1);
+            let last = transpose8(simd, &fours, size / 4 - 1);
+            rest.copy_from_slice(&last[4 - rest.len()..]);
+        } else {
+            for (k, vector) in rest.iter_mut().enumerate() {
+                let [a, b, c, d, e, f, g, h] = rows.map(|row| row[size / 4 * 4 + k]);
+                *vector = cast(simd.avx512f._mm512_setr_pd(a, b, c, d, e, f, g, h));
+            }
+        }
+    }
+}
+
+/// The first `N` records.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn transpose4(simd: V3, records: &[f64], from: usize, size: usize) -> [pulp::f64x4; 4] {
+fn rows<const N: usize>(records: &[f64], size: usize) -> [&[f64]; N] {
+    let mut rows = [&records[..0]; N];
+    for (l, row) in rows.iter_mut().enumerate() {
+        *row = &records[l * size..(l + 1) * size];
+    }
+    rows
+}
+
+/// Block `b` of four records, four by four: vector i of the result holds element i of each.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn transpose4(simd: V3, rows: &[&[[f64; 4]]; 4], b: usize) -> [pulp::f64x4; 4] {
     let avx = simd.avx;
-    let a = four(records, from);
-    let b = four(records, size + from);
-    let c = four(records, 2 * size + from);
-    let d = four(records, 3 * size + from);
+    let [a, b, c, d] = [cast(rows[0][b]), cast(rows[1][b]), cast(rows[2][b]), cast(rows[3][b])];
     let low = [avx._mm256_unpacklo_pd(a, b), avx._mm256_unpacklo_pd(c, d)];
     let high = [avx._mm256_unpackhi_pd(a, b), avx._mm256_unpackhi_pd(c, d)];
     [
@@ -170,46 +211,14 @@ fn transpose4(simd: V3, records: &[f64], from: usize, size: usize) -> [pulp::f64
     ]
 }
 
-#[cfg(target_arch = "x86_64")]
-impl Load<V4> for Transposed {
-    #[inline(always)]
-    fn load<const E: usize>(self, simd: V4, records: &[f64]) -> [pulp::f64x8; E] {
-        let records = &records[..8 * E];
-        let mut vectors = [simd.splat_f64x8(0.0); E];
-        let mut at = 0;
-        while at < E {
-            if let Some(from) = block::<E>(at) {
-                vectors[from..from + 4].copy_from_slice(&transpose8(simd, records, from, E));
-                at = from + 4;
-            } else {
-                vectors[at] = pulp::f64x8(
-                    records[at],
-                    records[E + at],
-                    records[2 * E + at],
-                    records[3 * E + at],
-                    records[4 * E + at],
-                    records[5 * E + at],
-                    records[6 * E + at],
-                    records[7 * E + at],
-                );
-                at += 1;
-            }
-        }
-        vectors
-    }
-}
-
-/// Elements `from .. from + 4` of eight records of `size` elements, one vector each.
-///
-/// Records l and l + 4 share a register, so that two transpositions of four by four run at once.
+/// The same of eight records: two transpositions of four by four at once, records l and l + 4 in
+/// one register.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn transpose8(simd: V4, records: &[f64], from: usize, size: usize) -> [pulp::f64x8; 4] {
+fn transpose8(simd: V4, rows: &[&[[f64; 4]]; 8], b: usize) -> [pulp::f64x8; 4] {
     let avx = simd.avx512f;
-    let a = pair(simd, records, from, size);
-    let b = pair(simd, records, size + from, size);
-    let c = pair(simd, records, 2 * size + from, size);
-    let d = pair(simd, records, 3 * size + from, size);
+    let (a, c) = (pair(simd, &rows[0][b], &rows[4][b]), pair(simd, &rows[2][b], &rows[6][b]));
+    let (b, d) = (pair(simd, &rows[1][b], &rows[5][b]), pair(simd, &rows[3][b], &rows[7][b]));
     let low = [avx._mm512_unpacklo_pd(a, b), avx._mm512_unpacklo_pd(c, d)];
     let high = [avx._mm512_unpackhi_pd(a, b), avx._mm512_unpackhi_pd(c, d)];
     let first = cast([0u64, 1, 8, 9, 4, 5, 12, 13]);
@@ -222,13 +231,11 @@ fn transpose8(simd: V4, records: &[f64], from: usize, size: usize) -> [pulp::f64
     ]
 }
 
-/// Four elements of one record, and the same four of the fourth record after it.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn pair(simd: V4, records: &[f64], from: usize, size: usize) -> std::arch::x86_64::__m512d {
+fn pair(simd: V4, low: &[f64; 4], high: &[f64; 4]) -> std::arch::x86_64::__m512d {
     let avx = simd.avx512f;
-    let low = avx._mm512_castpd256_pd512(four(records, from));
-    avx._mm512_insertf64x4::<1>(low, four(records, from + 4 * size))
+    avx._mm512_insertf64x4::<1>(avx._mm512_castpd256_pd512(cast(*low)), cast(*high))
 }
 
 #[cfg(test)]
@@ -244,8 +251,10 @@ mod tests {
         #[inline(always)]
         fn with_lanes<S: Simd, L: Load<S>>(self, simd: S, load: L) -> usize {
             let records: Vec<f64> = (0..S::F64_LANES * E).map(|i| i as f64).collect();
-            for (i, vector) in load.load::<E>(simd, &records).into_iter().enumerate() {
-                let mut lanes = [0.0; 64];
+            let mut vectors = [simd.splat_f64s(0.0); E];
+            load.load(simd, &records, &mut vectors);
+            for (i, vector) in vectors.into_iter().enumerate() {
+                let mut lanes = [0.0; MOST];
                 simd.partial_store_f64s(&mut lanes[..S::F64_LANES], vector);
                 for (l, &value) in lanes[..S::F64_LANES].iter().enumerate() {
                     assert_eq!(value, (l * E + i) as f64, "element {i} of record {l} of {E}");

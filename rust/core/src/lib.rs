@@ -8,11 +8,13 @@
 //! | [`lanes`] | many small records at once, one in each lane |
 //! | [`assignment`] | who is matched with whom, at the least total cost |
 //! | [`point_sets`] | distances between finite sets of points |
+//! | [`trajectories`] | distances between sets of trajectories |
 //! | [`tracking`] | scores over the identities of tracks |
 //! | [`accuracy`] | root mean square errors |
 //! | [`vessel`] | the five-state estimator of vessels from AIS and positions |
 //! | [`consistency`] | quadratic forms of many small covariances |
 //! | [`diagnostics`] | where a scale changes, and which state an error sits in |
+//! | [`monte_carlo`] | sums over many runs that do not depend on how they were cut |
 //!
 //! Nothing in this crate knows Python, draws random numbers, or panics on bad input: what can be
 //! wrong with an argument is an [`Error`].
@@ -27,11 +29,13 @@ pub mod diagnostics;
 pub mod error;
 pub mod interrupt;
 pub mod lanes;
+pub mod monte_carlo;
 pub mod point_sets;
 pub mod points;
 pub mod simd;
 pub mod threads;
 pub mod tracking;
+pub mod trajectories;
 pub mod vessel;
 
 pub use arrays::Array;

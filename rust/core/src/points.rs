@@ -131,6 +131,12 @@ impl<'a> Frames<'a> {
         self.starts[self.len()] as usize
     }
 
+    /// Where one set stands among all points.
+    #[inline]
+    pub fn range(&self, t: usize) -> std::ops::Range<usize> {
+        self.starts[t] as usize..self.starts[t + 1] as usize
+    }
+
     /// One set.
     #[inline]
     pub fn frame(&self, t: usize) -> Points<'a> {

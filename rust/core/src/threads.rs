@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::interrupt::Interrupt;
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 use std::time::Duration;
 
 /// How long the calling thread of [`fill_until`] sleeps between two looks for an interrupt.
@@ -19,6 +19,8 @@ const PATIENCE: Duration = Duration::from_millis(20);
 
 /// 0 stands for "as many as the machine has".
 static THREADS: AtomicUsize = AtomicUsize::new(0);
+/// Asking the machine takes longer than a small kernel.
+static MACHINE: OnceLock<usize> = OnceLock::new();
 static POOL: Mutex<Option<Pool>> = Mutex::new(None);
 
 struct Pool {
@@ -35,7 +37,7 @@ pub fn set_threads(threads: usize) {
 /// How many threads a kernel may use.
 pub fn threads() -> usize {
     match THREADS.load(Ordering::Relaxed) {
-        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        0 => *MACHINE.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from)),
         threads => threads,
     }
 }

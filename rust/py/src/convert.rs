@@ -4,9 +4,9 @@
 //! has NumPy convert the argument, and calls again.
 
 use crate::error::{not_plain, raise};
-use crate::lists::{Array, Packed, Unpacked};
+use crate::lists::{Array, Items, Packed, Unpacked};
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::PyTuple;
 use std::borrow::Cow;
 use trackmetrics_core::{Error, Frames, Points, Result};
 
@@ -26,7 +26,7 @@ impl<'a> PointSet<'a> {
             return Ok(Self { coordinates: Cow::Borrowed(coordinates), dimension: d as usize });
         }
         let mut packed = Packed::default();
-        match packed.append_set(object) {
+        match packed.append_set(object.as_borrowed()) {
             Ok(_) => Ok(Self {
                 coordinates: Cow::Owned(packed.values),
                 dimension: packed.dimension.unwrap_or(0),
@@ -60,13 +60,8 @@ impl<'a> FrameSequence<'a> {
         if let Some(frames) = Self::borrow_stacked(object).or_else(|| Self::borrow_packed(object)) {
             return Ok(frames);
         }
-        if let Ok(list) = object.cast_exact::<PyList>() {
-            Self::pack(argument, list.iter())
-        } else if let Ok(tuple) = object.cast_exact::<PyTuple>() {
-            Self::pack(argument, tuple.iter())
-        } else {
-            Err(not_plain(object.py()))
-        }
+        let sets = Items::of(object.as_borrowed()).ok_or_else(|| not_plain(object.py()))?;
+        Self::pack(argument, sets)
     }
 
     /// How many coordinates all sets have together.
@@ -99,18 +94,20 @@ impl<'a> FrameSequence<'a> {
         Some(Self { coordinates: coordinates.into(), starts: starts.into(), dimension: d as usize })
     }
 
-    fn pack<'py>(
-        argument: &'static str,
-        sets: impl ExactSizeIterator<Item = Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
+    fn pack(argument: &'static str, sets: Items<'_, '_>) -> PyResult<Self> {
         let mut packed = Packed::default();
-        let mut starts = Vec::with_capacity(sets.len() + 1);
-        let mut end = 0;
+        let (frames, mut end) = (sets.len(), 0);
+        let mut starts = Vec::with_capacity(frames + 1);
         starts.push(end);
         for (t, set) in sets.enumerate() {
-            let count = packed.append_set(&set);
+            let count = packed.append_set(set);
             end += count.map_err(|unpacked| refuse(set.py(), argument, Some(t), unpacked))? as i64;
             starts.push(end);
+            if t == 0 {
+                // As though the others were as large: most often nothing is moved again.
+                let others = packed.values.len().saturating_mul(frames - 1);
+                packed.values.reserve(others.min(1 << 20));
+            }
         }
         let dimension = packed.dimension.unwrap_or(0);
         Ok(Self { coordinates: packed.values.into(), starts: starts.into(), dimension })

@@ -24,10 +24,13 @@ mod diagnostics;
 mod error;
 mod interrupt;
 mod lists;
+mod monte_carlo;
 mod point_sets;
+mod results;
 mod settings;
 mod tensor;
 mod tracking;
+mod trajectories;
 mod vessel;
 
 #[pyo3::pymodule]
@@ -35,7 +38,9 @@ mod _native {
     #[pymodule_export]
     use crate::{
         accuracy::{estimation_error_bounds, monte_carlo_rmse, position_rmse, rmse, velocity_rmse},
-        assignment::{bottleneck_assignment, linear_sum_assignment},
+        assignment::{
+            auction, bottleneck_assignment, linear_sum_assignment, linear_sum_assignment_batch,
+        },
         consistency::{
             credibility_interval, mean_statistic, nees, nees_sequence, nis, nis_sequence,
         },
@@ -43,9 +48,14 @@ mod _native {
             best_split_gains, nees_inflation, sampled_shapley_shares, scale_partitions,
             shapley_shares,
         },
-        point_sets::{ospa, ospa_over_time},
+        monte_carlo::{consistency_sums, histograms, run_sums},
+        point_sets::{
+            gospa, gospa_from_distances, gospa_over_time, mahalanobis_distances, ospa,
+            ospa_assignment, ospa_from_distances, ospa_over_time, point_distances,
+        },
         settings::{set_simd, set_threads, simd, threads},
         tracking::{identity_switches, mot_metrics, track_fragmentation, track_purity},
+        trajectories::ospa2,
         vessel::{vessel_advance, vessel_filter, vessel_gate, vessel_predict},
     };
     use pyo3::prelude::*;

@@ -12,7 +12,8 @@
 #![allow(unsafe_code)]
 
 use numpy::npyffi::{self, PyArrayObject};
-use numpy::{Element, PyArrayDescr};
+use numpy::{Element, PyUntypedArray};
+use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
@@ -35,10 +36,10 @@ impl<'a> Array<'a> {
     /// Borrows `object` where it is such an array.
     #[inline]
     pub(crate) fn borrow(object: Borrowed<'a, '_, PyAny>) -> Option<Self> {
-        let py = object.py();
+        let types = Types::get(object.py());
         let pointer = object.as_ptr();
         // SAFETY: `pointer` is a live object and the interpreter is attached.
-        if unsafe { npyffi::PyArray_CheckExact(py, pointer) } == 0 {
+        if unsafe { pyo3::ffi::Py_TYPE(pointer) }.cast_const() != types.array {
             return None;
         }
         // SAFETY: an exact ndarray starts with the fields of `PyArrayObject`; they are written by
@@ -48,7 +49,7 @@ impl<'a> Array<'a> {
         if fields.flags & plain != plain {
             return None;
         }
-        let kind = kind(py, fields.descr.cast())?;
+        let kind = types.kind(fields.descr.cast())?;
         let shape = if fields.nd == 0 {
             &[]
         } else {
@@ -109,7 +110,12 @@ impl<'a> Array<'a> {
     #[inline]
     fn append_to(&self, values: &mut Vec<f64>) {
         match self.kind {
-            Kind::Float64 => values.extend_from_slice(self.floats().unwrap_or_default()),
+            // Lengths known to the compiler spare a call of memcpy, which is half the time.
+            Kind::Float64 => match self.floats().unwrap_or_default() {
+                &[a, b] => values.extend_from_slice(&[a, b]),
+                &[a, b, c] => values.extend_from_slice(&[a, b, c]),
+                floats => values.extend_from_slice(floats),
+            },
             Kind::Int64 => {
                 values.extend(self.integers().unwrap_or_default().iter().map(|&i| i as f64));
             }
@@ -117,19 +123,40 @@ impl<'a> Array<'a> {
     }
 }
 
-/// The kind of a descriptor: a comparison of pointers, since NumPy has one object for each native
-/// type.
-#[inline]
-fn kind(py: Python<'_>, descr: *const pyo3::ffi::PyObject) -> Option<Kind> {
-    static KINDS: PyOnceLock<[Py<PyArrayDescr>; 2]> = PyOnceLock::new();
-    let [float64, int64] =
-        KINDS.get_or_init(py, || [f64::get_dtype(py).unbind(), i64::get_dtype(py).unbind()]);
-    if descr == float64.as_ptr().cast_const() {
-        Some(Kind::Float64)
-    } else if descr == int64.as_ptr().cast_const() {
-        Some(Kind::Int64)
-    } else {
-        None
+/// The objects by which plain arrays are known: comparisons of pointers, since NumPy has one object
+/// for its array type and one for each native number type.
+struct Types {
+    array: *const pyo3::ffi::PyTypeObject,
+    float64: *const pyo3::ffi::PyObject,
+    int64: *const pyo3::ffi::PyObject,
+}
+
+// SAFETY: the pointers are compared and never followed.
+unsafe impl Send for Types {}
+// SAFETY: as above.
+unsafe impl Sync for Types {}
+
+impl Types {
+    #[inline]
+    fn get(py: Python<'_>) -> &'static Self {
+        static TYPES: PyOnceLock<Types> = PyOnceLock::new();
+        TYPES.get_or_init(py, || Self {
+            array: PyUntypedArray::type_object_raw(py),
+            // NumPy keeps its descriptors of native types for ever.
+            float64: f64::get_dtype(py).as_ptr(),
+            int64: i64::get_dtype(py).as_ptr(),
+        })
+    }
+
+    #[inline]
+    fn kind(&self, descr: *const pyo3::ffi::PyObject) -> Option<Kind> {
+        if descr == self.float64 {
+            Some(Kind::Float64)
+        } else if descr == self.int64 {
+            Some(Kind::Int64)
+        } else {
+            None
+        }
     }
 }
 
@@ -153,25 +180,20 @@ pub(crate) struct Packed {
 impl Packed {
     /// Appends a set of points: an array whose rows are points, or a list or tuple of points.
     #[inline]
-    pub(crate) fn append_set(&mut self, set: &Bound<'_, PyAny>) -> Result<usize, Unpacked> {
-        if let Ok(list) = set.cast_exact::<PyList>() {
-            self.append_points(list.iter())
-        } else if let Ok(tuple) = set.cast_exact::<PyTuple>() {
-            self.append_points(tuple.iter())
-        } else {
-            self.append_rows(&Array::borrow(set.as_borrowed()).ok_or(Unpacked::NotPlain)?)
+    pub(crate) fn append_set(&mut self, set: Borrowed<'_, '_, PyAny>) -> Result<usize, Unpacked> {
+        match Items::of(set) {
+            Some(points) => self.append_points(points),
+            None => self.append_rows(&Array::borrow(set).ok_or(Unpacked::NotPlain)?),
         }
     }
 
-    fn append_points<'py>(
-        &mut self,
-        points: impl ExactSizeIterator<Item = Bound<'py, PyAny>>,
-    ) -> Result<usize, Unpacked> {
+    #[inline]
+    fn append_points(&mut self, points: Items<'_, '_>) -> Result<usize, Unpacked> {
         let count = points.len();
         self.values.reserve(count * self.dimension.unwrap_or(2));
         for (index, point) in points.enumerate() {
             let before = self.values.len();
-            append_point(&point, &mut self.values)?;
+            append_point(point, &mut self.values)?;
             self.check_dimension(index, self.values.len() - before)?;
         }
         Ok(count)
@@ -201,21 +223,19 @@ impl Packed {
 
 /// Appends the coordinates of one point: an array, a list or tuple of numbers, or a number.
 #[inline]
-fn append_point(point: &Bound<'_, PyAny>, values: &mut Vec<f64>) -> Result<(), Unpacked> {
-    if let Some(array) = Array::borrow(point.as_borrowed()) {
+fn append_point(point: Borrowed<'_, '_, PyAny>, values: &mut Vec<f64>) -> Result<(), Unpacked> {
+    if let Some(array) = Array::borrow(point) {
         array.append_to(values);
         Ok(())
-    } else if let Ok(list) = point.cast_exact::<PyList>() {
-        list.iter().try_for_each(|number| append_number(&number, values))
-    } else if let Ok(tuple) = point.cast_exact::<PyTuple>() {
-        tuple.iter().try_for_each(|number| append_number(&number, values))
+    } else if let Some(mut numbers) = Items::of(point) {
+        numbers.try_for_each(|number| append_number(number, values))
     } else {
         append_number(point, values)
     }
 }
 
 #[inline]
-fn append_number(number: &Bound<'_, PyAny>, values: &mut Vec<f64>) -> Result<(), Unpacked> {
+fn append_number(number: Borrowed<'_, '_, PyAny>, values: &mut Vec<f64>) -> Result<(), Unpacked> {
     if let Ok(float) = number.cast::<PyFloat>() {
         values.push(float.value());
     } else if let Ok(integer) = number.cast_exact::<PyInt>() {
@@ -225,3 +245,54 @@ fn append_number(number: &Bound<'_, PyAny>, values: &mut Vec<f64>) -> Result<(),
     }
     Ok(())
 }
+
+/// The items of an exact list or tuple, borrowed: nothing that runs between two of them may call
+/// Python, and nothing here does.
+pub(crate) struct Items<'a, 'py> {
+    object: Borrowed<'a, 'py, PyAny>,
+    is_list: bool,
+    next: usize,
+    end: usize,
+}
+
+impl<'a, 'py> Items<'a, 'py> {
+    /// The items of `object`, where it is a list or a tuple.
+    #[inline]
+    pub(crate) fn of(object: Borrowed<'a, 'py, PyAny>) -> Option<Self> {
+        let list = object.cast_exact::<PyList>().map(|list| list.len());
+        let is_list = list.is_ok();
+        let end = list.or_else(|_| object.cast_exact::<PyTuple>().map(|tuple| tuple.len())).ok()?;
+        Some(Self { object, is_list, next: 0, end })
+    }
+}
+
+impl<'a, 'py> Iterator for Items<'a, 'py> {
+    type Item = Borrowed<'a, 'py, PyAny>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.next == self.end {
+            return None;
+        }
+        let (pointer, index) = (self.object.as_ptr(), self.next as isize);
+        self.next += 1;
+        // SAFETY: the object is a live list or tuple, as `is_list` says; both functions check the
+        // index. The reference that they lend holds as long as the container is not changed, and
+        // only Python code, which does not run here, could change it.
+        unsafe {
+            let item = if self.is_list {
+                pyo3::ffi::PyList_GetItem(pointer, index)
+            } else {
+                pyo3::ffi::PyTuple_GetItem(pointer, index)
+            };
+            Borrowed::from_ptr_or_opt(self.object.py(), item)
+        }
+    }
+
+    #[inline]
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.end - self.next, Some(self.end - self.next))
+    }
+}
+
+impl ExactSizeIterator for Items<'_, '_> {}

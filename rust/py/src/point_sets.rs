@@ -1,11 +1,16 @@
 //! Binding of `trackmetrics_core::point_sets`.
 
-use crate::convert::{FrameSequence, PointSet};
+use crate::convert::{Floats, FrameSequence, PointSet};
 use crate::error::raise;
-use numpy::PyArray1;
+use crate::results::ospa_result;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::cell::RefCell;
-use trackmetrics_core::point_sets::ospa::{self as kernel, Workspace};
+use trackmetrics_core::point_sets::gospa::{self as gospa_kernel, Gospa};
+use trackmetrics_core::point_sets::ospa::{self as ospa_kernel, Workspace};
+use trackmetrics_core::point_sets::{distances, pairs::Pair, sets::Distances};
+use trackmetrics_core::{Array as CoreArray, Points, Result};
 
 /// From this many coordinates on the work is worth letting go of the interpreter.
 const WORTH_DETACHING: usize = 400;
@@ -14,21 +19,49 @@ thread_local! {
     static WORK: RefCell<Workspace> = RefCell::default();
 }
 
-/// OSPA of one frame: (distance, localization, cardinality).
-#[pyfunction]
-pub(crate) fn ospa(
+/// Pairs as rows of indices.
+type Pairs<'py> = Bound<'py, PyArray2<i64>>;
+
+/// The fields of many `Gospa`: parts, then counts.
+type Columns<'py> = (Vec<Bound<'py, PyArray1<f64>>>, Vec<Bound<'py, PyArray1<i64>>>);
+
+/// The fields of a `Gospa`, in their order.
+type GospaParts = (f64, f64, f64, f64, usize, usize);
+
+/// Runs a kernel with this thread's workspace, detached from the interpreter where the smaller set
+/// has many coordinates.
+fn run<T: Send>(
     py: Python<'_>,
-    x: &Bound<'_, PyAny>,
-    y: &Bound<'_, PyAny>,
+    size: usize,
+    kernel: impl FnOnce(&mut Workspace) -> Result<T> + Send,
+) -> PyResult<T> {
+    let compute = || {
+        let mut work = WORK.take();
+        let result = kernel(&mut work);
+        WORK.set(work);
+        result
+    };
+    if size < WORTH_DETACHING { compute() } else { py.detach(compute) }.map_err(raise)
+}
+
+fn smaller(x: &PointSet, y: &PointSet) -> usize {
+    x.size().min(y.size())
+}
+
+/// OSPA of one frame.
+#[pyfunction]
+pub(crate) fn ospa<'py>(
+    py: Python<'py>,
+    x: &Bound<'py, PyAny>,
+    y: &Bound<'py, PyAny>,
     c: f64,
     p: f64,
-) -> PyResult<(f64, f64, f64)> {
+) -> PyResult<Bound<'py, PyAny>> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
-    let compute =
-        || WORK.with_borrow_mut(|work| kernel::ospa(x.points("X")?, y.points("Y")?, c, p, work));
-    let detach = x.size().min(y.size()) >= WORTH_DETACHING;
-    let result = if detach { py.detach(compute) } else { compute() };
-    result.map(|r| (r.distance, r.localization, r.cardinality)).map_err(raise)
+    let result = run(py, smaller(&x, &y), |work| {
+        ospa_kernel::ospa(x.points("X")?, y.points("Y")?, c, p, work)
+    })?;
+    ospa_result(py, result)
 }
 
 /// OSPA of every frame of two sequences.
@@ -41,13 +74,157 @@ pub(crate) fn ospa_over_time<'py>(
     p: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
-    let compute = || {
+    let output = run(py, x.size().min(y.size()), |_| {
         let (x, y) = (x.frames("X_sequence")?, y.frames("Y_sequence")?);
         let mut output = vec![0.0; x.len()];
-        kernel::ospa_over_time(x, y, c, p, &mut output)?;
+        ospa_kernel::ospa_over_time(x, y, c, p, &mut output)?;
         Ok(output)
+    })?;
+    Ok(PyArray1::from_vec(py, output))
+}
+
+/// OSPA of one frame whose distances are given.
+#[pyfunction]
+pub(crate) fn ospa_from_distances<'py>(
+    py: Python<'py>,
+    distances: Floats<'_, 2>,
+    c: f64,
+    p: f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let result = run(py, distances.values.len(), |work| {
+        ospa_kernel::ospa_from_distances(given(&distances)?, c, p, work)
+    })?;
+    ospa_result(py, result)
+}
+
+/// The pairs of OSPA closer than the cutoff.
+#[pyfunction]
+pub(crate) fn ospa_assignment<'py>(
+    py: Python<'py>,
+    x: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    c: f64,
+    p: f64,
+) -> PyResult<Pairs<'py>> {
+    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
+    let pairs = run(py, smaller(&x, &y), |work| {
+        ospa_kernel::ospa_assignment(x.points("X")?, y.points("Y")?, c, p, work)
+    })?;
+    indices(py, &pairs)
+}
+
+/// GOSPA of one frame: (distance, localization, missed, false, the two counts), pairs.
+#[pyfunction]
+pub(crate) fn gospa<'py>(
+    py: Python<'py>,
+    x: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    c: f64,
+    p: f64,
+    alpha: f64,
+) -> PyResult<(GospaParts, Pairs<'py>)> {
+    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
+    let (result, pairs) = run(py, smaller(&x, &y), |work| {
+        let (x, y, mut pairs) = (x.points("X")?, y.points("Y")?, Vec::new());
+        gospa_kernel::gospa(x, y, (c, p, alpha), work, &mut pairs).map(|result| (result, pairs))
+    })?;
+    Ok((fields(&result), indices(py, &pairs)?))
+}
+
+/// GOSPA of one frame whose distances are given.
+#[pyfunction]
+pub(crate) fn gospa_from_distances<'py>(
+    py: Python<'py>,
+    distances: Floats<'_, 2>,
+    c: f64,
+    p: f64,
+    alpha: f64,
+) -> PyResult<(GospaParts, Pairs<'py>)> {
+    let (result, pairs) = run(py, distances.values.len(), |work| {
+        let (sets, mut pairs) = (given(&distances)?, Vec::new());
+        gospa_kernel::gospa_from_distances(sets, (c, p, alpha), work, &mut pairs)
+            .map(|result| (result, pairs))
+    })?;
+    Ok((fields(&result), indices(py, &pairs)?))
+}
+
+/// GOSPA of every frame of two sequences: the fields as columns, the counts as integers.
+#[pyfunction]
+pub(crate) fn gospa_over_time<'py>(
+    py: Python<'py>,
+    x: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    c: f64,
+    p: f64,
+    alpha: f64,
+) -> PyResult<Columns<'py>> {
+    let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
+    let output = run(py, x.size().min(y.size()), |_| {
+        let (x, y) = (x.frames("X_sequence")?, y.frames("Y_sequence")?);
+        let mut output = vec![Gospa::default(); x.len()];
+        gospa_kernel::gospa_over_time(x, y, (c, p, alpha), &mut output)?;
+        Ok(output)
+    })?;
+    let parts: [fn(&Gospa) -> f64; 4] =
+        [|g| g.distance, |g| g.localization, |g| g.missed, |g| g.false_alarms];
+    let counts: [fn(&Gospa) -> i64; 2] = [|g| g.missed_count as i64, |g| g.false_count as i64];
+    Ok((
+        parts.map(|part| PyArray1::from_iter(py, output.iter().map(part))).into(),
+        counts.map(|count| PyArray1::from_iter(py, output.iter().map(count))).into(),
+    ))
+}
+
+/// Distances between all pairs of points by "manhattan" or "haversine".
+#[pyfunction]
+pub(crate) fn point_distances<'py>(
+    py: Python<'py>,
+    x: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    metric: &str,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let metric: fn(Points, Points) -> Result<Vec<f64>> = match metric {
+        "manhattan" => distances::manhattan,
+        "haversine" => distances::haversine,
+        _ => return Err(PyValueError::new_err("metric must be 'manhattan' or 'haversine'")),
     };
-    let detach = x.size().min(y.size()) >= WORTH_DETACHING;
-    let output = if detach { py.detach(compute) } else { compute() };
-    output.map(|output| PyArray1::from_vec(py, output)).map_err(raise)
+    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
+    let (x, y) = (x.points("X").map_err(raise)?, y.points("Y").map_err(raise)?);
+    matrix(py, metric(x, y), x, y)
+}
+
+/// Mahalanobis distances between all pairs of points.
+#[pyfunction]
+pub(crate) fn mahalanobis_distances<'py>(
+    py: Python<'py>,
+    x: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    covariances: Floats<'_, 3>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
+    let (x, y) = (x.points("X").map_err(raise)?, y.points("Y").map_err(raise)?);
+    let covariances = CoreArray::new("covariances", covariances.values, &covariances.shape);
+    matrix(py, covariances.and_then(|p| distances::mahalanobis(x, y, p)), x, y)
+}
+
+fn matrix<'py>(
+    py: Python<'py>,
+    distances: Result<Vec<f64>>,
+    x: Points,
+    y: Points,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray1::from_vec(py, distances.map_err(raise)?).reshape([x.len(), y.len()])
+}
+
+fn given<'a>(distances: &Floats<'a, 2>) -> Result<Distances<'a>> {
+    let [rows, columns] = distances.shape;
+    Distances::new("distances", distances.values, rows, columns)
+}
+
+fn indices<'py>(py: Python<'py>, pairs: &[Pair]) -> PyResult<Pairs<'py>> {
+    let flat = pairs.iter().flat_map(|&(i, j)| [i as i64, j as i64]);
+    PyArray1::from_iter(py, flat).reshape([pairs.len(), 2])
+}
+
+fn fields(g: &Gospa) -> GospaParts {
+    (g.distance, g.localization, g.missed, g.false_alarms, g.missed_count, g.false_count)
 }

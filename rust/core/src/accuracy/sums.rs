@@ -144,11 +144,12 @@ impl<const E: usize> WithLanes for Rows<'_, E> {
         let width = S::F64_LANES;
         let whole = self.output.len() / width * width;
         let (blocks, rest) = self.output.split_at_mut(whole);
+        let (mut e, mut y) = ([simd.splat_f64s(0.0); E], [simd.splat_f64s(0.0); E]);
         for (b, output) in blocks.chunks_exact_mut(width).enumerate() {
             let from = b * width * E;
-            let mut e = load.load::<E>(simd, &self.first[from..]);
+            load.load(simd, &self.first[from..], &mut e);
             if let Some(second) = self.second {
-                let y = load.load::<E>(simd, &second[from..]);
+                load.load(simd, &second[from..], &mut y);
                 for i in 0..E {
                     e[i] = simd.sub_f64s(e[i], y[i]);
                 }

@@ -6,6 +6,7 @@
 //! its bits do not depend on the width.
 
 use pulp::Simd;
+use std::ops::{Deref, DerefMut};
 
 /// The widest vector unit's number of lanes: arrays are padded to a multiple of it.
 const LANES: usize = 8;
@@ -15,26 +16,61 @@ const LANE: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 #[derive(Debug, Default)]
 pub(super) struct Columns {
     /// Dual of the column, `v`; minus infinity closes a column: nothing is lower than infinity.
-    pub dual: Vec<f64>,
+    pub dual: Aligned,
     /// The length of the shortest path found so far; infinity once the column is reached.
-    pub distance: Vec<f64>,
+    pub distance: Aligned,
     /// How many columns were reached when that path was found: it leads through the last of them.
-    pub via: Vec<f64>,
+    pub via: Aligned,
     /// Of columns at the same distance the one of the lowest rank is the nearest.
-    pub rank: Vec<f64>,
+    pub rank: Aligned,
 }
 
 impl Columns {
-    /// Starts afresh with `columns` columns; the ranks are the caller's to write.
+    /// Starts afresh with `columns` columns; all but the duals are the caller's to write.
     pub fn reset(&mut self, columns: usize) {
         let padded = columns.next_multiple_of(LANES);
-        for values in [&mut self.distance, &mut self.via, &mut self.rank] {
-            values.clear();
-            values.resize(padded, 0.0);
+        for values in [&mut self.dual, &mut self.distance, &mut self.via, &mut self.rank] {
+            values.resize(padded);
         }
-        self.dual.clear();
-        self.dual.resize(columns, 0.0);
-        self.dual.resize(padded, f64::NEG_INFINITY);
+        let (duals, padding) = self.dual.split_at_mut(columns);
+        duals.fill(0.0);
+        padding.fill(f64::NEG_INFINITY);
+    }
+}
+
+/// Numbers of which the first stands at the beginning of a cache line, so that no vector of them
+/// straddles two.
+#[derive(Debug, Default)]
+pub(super) struct Aligned {
+    values: Vec<f64>,
+    first: usize,
+    length: usize,
+}
+
+impl Aligned {
+    fn resize(&mut self, length: usize) {
+        const LINE: usize = 64;
+        if self.values.len() < length + LANES {
+            self.values.resize(length + LANES, 0.0);
+        }
+        self.first = self.values.as_ptr().align_offset(LINE).min(LANES);
+        self.length = length;
+    }
+}
+
+impl Deref for Aligned {
+    type Target = [f64];
+
+    #[inline(always)]
+    fn deref(&self) -> &[f64] {
+        &self.values[self.first..self.first + self.length]
+    }
+}
+
+impl DerefMut for Aligned {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f64] {
+        &mut self.values[self.first..self.first + self.length]
     }
 }
 
@@ -236,7 +272,8 @@ pub(super) fn close<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Co
     let minus_infinity = simd.splat_f64s(f64::NEG_INFINITY);
     let here = simd.equal_f64s(S::as_simd_f64s(&columns.rank).0[chunk], simd.splat_f64s(rank));
     let dual = &mut S::as_mut_simd_f64s(&mut columns.dual).0[chunk];
-    *dual = simd.min_f64s(*dual, simd.select_f64s(here, minus_infinity, infinity));
+    // The second operand is what a NaN, where sums overflow, leaves as it is.
+    *dual = simd.min_f64s(simd.select_f64s(here, minus_infinity, infinity), *dual);
     let distance = &mut S::as_mut_simd_f64s(&mut columns.distance).0[chunk];
     *distance = simd.max_f64s(*distance, simd.select_f64s(here, infinity, minus_infinity));
 }
@@ -249,4 +286,15 @@ pub(super) fn rerank<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut C
     let here = simd.equal_f64s(*chunk, simd.splat_f64s(before));
     let change = simd.select_f64s(here, simd.splat_f64s(rank - before), simd.splat_f64s(0.0));
     *chunk = simd.add_f64s(*chunk, change);
+}
+
+/// Lowers the dual of a column, as a whole vector.
+#[inline(always)]
+pub(super) fn lower_dual<S: Simd>(simd: S, column: usize, dual: f64, columns: &mut Columns) {
+    let here = S::as_simd_f64s(&LANE).0[0];
+    let lane = simd.splat_f64s((column % S::F64_LANES) as f64);
+    let chunk = &mut S::as_mut_simd_f64s(&mut columns.dual).0[column / S::F64_LANES];
+    let infinity = simd.splat_f64s(f64::INFINITY);
+    let lower = simd.select_f64s(simd.equal_f64s(here, lane), simd.splat_f64s(dual), infinity);
+    *chunk = simd.min_f64s(lower, *chunk);
 }

@@ -108,7 +108,14 @@ pub(super) fn check_costs(costs: &[f64]) -> Result<()> {
 }
 
 /// Writes the costs to `output` with no more rows than columns and so that the least is wanted.
-fn turn(costs: &[f64], rows: usize, columns: usize, tall: bool, goal: Goal, output: &mut Vec<f64>) {
+pub(super) fn turn(
+    costs: &[f64],
+    rows: usize,
+    columns: usize,
+    tall: bool,
+    goal: Goal,
+    output: &mut Vec<f64>,
+) {
     if tall {
         transpose(costs, rows, columns, output);
     } else {

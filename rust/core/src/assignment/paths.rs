@@ -46,6 +46,7 @@ impl Matching {
         self.remaining.clear();
         self.remaining.extend((0..columns).rev());
         self.open = columns;
+        self.reached.clear();
         for (j, rank) in self.columns.rank.iter_mut().enumerate().take(columns) {
             *rank = free_rank(columns - 1 - j);
         }
@@ -64,10 +65,9 @@ impl Matching {
     /// [`Error::Infeasible`] where there is none; the matching is of no use then.
     #[inline(always)]
     pub fn add<S: Simd>(&mut self, simd: S, costs: &[f64], row: usize) -> Result<()> {
-        let length = self.shortest_path::<S, Sum>(simd, costs, row, 0.0)?;
-        self.update_duals(row, length);
-        self.restore();
-        self.augment(row);
+        let (sink, length) = self.shortest_path::<S, Sum>(simd, costs, row, 0.0)?;
+        self.update_duals(row, sink, length);
+        self.augment(simd, row, sink);
         Ok(())
     }
 
@@ -84,17 +84,16 @@ impl Matching {
         row: usize,
         bound: f64,
     ) -> Result<f64> {
-        let height = self.shortest_path::<S, Largest>(simd, costs, row, bound)?;
+        let (sink, height) = self.shortest_path::<S, Largest>(simd, costs, row, bound)?;
         for reached in &self.reached {
             self.columns.dual[reached.column] = 0.0;
         }
-        self.restore();
-        self.augment(row);
+        self.augment(simd, row, sink);
         Ok(height)
     }
 
-    /// The length of the shortest path to a free column, which is the last one reached; a path
-    /// without edges has this length already.
+    /// The free column to which the path is the shortest, and the length of that path; a path without
+    /// edges has this length already.
     #[inline(always)]
     fn shortest_path<S: Simd, T: Step>(
         &mut self,
@@ -102,7 +101,7 @@ impl Matching {
         costs: &[f64],
         row: usize,
         length: f64,
-    ) -> Result<f64> {
+    ) -> Result<(usize, f64)> {
         let columns = self.row_of_column.len();
         let row_of_costs = |i: usize| &costs[i * columns..(i + 1) * columns];
         let step = T::new(length, self.row_dual[row]);
@@ -112,11 +111,13 @@ impl Matching {
                 return Err(Error::Infeasible);
             }
             let rank = lowest_rank(simd, lowest, columns, &self.columns);
-            let j = self.reach(simd, rank, lowest);
-            let i = self.row_of_column[j];
+            debug_assert!(rank < f64::INFINITY, "a column stands at the lowest distance");
+            let column = self.remaining[place(rank)];
+            let i = self.row_of_column[column];
             if i == NONE {
-                return Ok(lowest);
+                return Ok((column, lowest));
             }
+            self.reach(simd, column, rank, lowest);
             let step = T::new(lowest, self.row_dual[i]);
             lowest = relax(simd, row_of_costs(i), step, self.reached.len(), &mut self.columns);
         }
@@ -124,9 +125,8 @@ impl Matching {
 
     /// Closes the column of this rank and swaps it with the end of the list.
     #[inline(always)]
-    fn reach<S: Simd>(&mut self, simd: S, rank: f64, distance: f64) -> usize {
+    fn reach<S: Simd>(&mut self, simd: S, column: usize, rank: f64, distance: f64) {
         let place = place(rank);
-        let column = self.remaining[place];
         self.open -= 1;
         let moved = self.remaining[self.open];
         self.remaining[place] = moved;
@@ -135,18 +135,39 @@ impl Matching {
         close(simd, column, rank, &mut self.columns);
         let free = self.columns.rank[moved] < 0.0;
         rerank(simd, moved, if free { free_rank(place) } else { place as f64 }, &mut self.columns);
-        column
     }
 
-    fn update_duals(&mut self, row: usize, length: f64) {
+    fn update_duals(&mut self, row: usize, sink: usize, length: f64) {
         self.row_dual[row] += length;
         for reached in &self.reached {
             let shift = length - reached.distance;
             self.columns.dual[reached.column] = reached.dual - shift;
-            if let Some(dual) = self.row_dual.get_mut(self.row_of_column[reached.column]) {
-                *dual += shift;
+            self.row_dual[self.row_of_column[reached.column]] += shift;
+        }
+        // The last column's dual changes by 0, but by NaN where sums have overflown, as in SciPy.
+        if length == f64::NEG_INFINITY {
+            self.columns.dual[sink] = f64::NAN;
+        }
+    }
+
+    /// Turns the path from `row` to `sink` into matched pairs, and forgets the search.
+    #[inline(always)]
+    fn augment<S: Simd>(&mut self, simd: S, row: usize, sink: usize) {
+        self.restore();
+        rerank(simd, sink, (self.row_of_column.len() - 1 - sink) as f64, &mut self.columns);
+        let mut j = sink;
+        loop {
+            let before =
+                (self.columns.via[j] as usize).checked_sub(1).map(|k| self.reached[k].column);
+            let i = before.map_or(row, |before| self.row_of_column[before]);
+            self.row_of_column[j] = i;
+            self.column_of_row[i] = j;
+            match before {
+                Some(before) => j = before,
+                None => break,
             }
         }
+        self.reached.clear();
     }
 
     /// Puts the list back into its first order.
@@ -164,18 +185,6 @@ impl Matching {
             self.remaining[reached.place] = last - reached.place;
         }
         self.open = last + 1;
-    }
-
-    /// Turns the path from `row` to the column reached last into matched pairs.
-    fn augment(&mut self, row: usize) {
-        let mut step = self.reached.len();
-        while step > 0 {
-            let j = self.reached[step - 1].column;
-            step = self.columns.via[j] as usize;
-            let i = if step == 0 { row } else { self.row_of_column[self.reached[step - 1].column] };
-            self.set(i, j);
-        }
-        self.reached.clear();
     }
 }
 

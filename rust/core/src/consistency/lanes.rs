@@ -5,8 +5,11 @@
 //! is not clearly positive definite, not symmetric or not finite come out as NaN, and are left to
 //! [`Judge`](super::judge::Judge).
 
+// The indices are those of the formula: rows and columns of a triangle.
+#![allow(clippy::needless_range_loop)]
+
 use super::judge::doubtful_pivot;
-use crate::lanes::{Load, WithLanes};
+use crate::lanes::{Load, MOST, WithLanes};
 use pulp::Simd;
 
 /// Which covariance belongs to a residual.
@@ -27,9 +30,6 @@ pub(super) struct Forms<'a, const D: usize, const E: usize> {
     pub(super) output: &'a mut [f64],
 }
 
-/// The most lanes that a vector has.
-const MOST: usize = 8;
-
 impl<const D: usize, const E: usize> WithLanes for Forms<'_, D, E> {
     /// Whether no lane was left in doubt.
     type Output = bool;
@@ -37,7 +37,9 @@ impl<const D: usize, const E: usize> WithLanes for Forms<'_, D, E> {
     #[inline(always)]
     fn with_lanes<S: Simd, L: Load<S>>(self, simd: S, load: L) -> bool {
         let Self { first, second, matrices, symmetry, output } = self;
-        let block = Block::<S, L, D, E> { simd, load, symmetry };
+        let zero = simd.splat_f64s(0.0);
+        let (p, z, y) = (Aligned([[zero; D]; D]), Aligned([zero; D]), Aligned([zero; D]));
+        let mut block = Block { simd, load, symmetry, p, z, y };
         let whole = output.len() / S::F64_LANES * S::F64_LANES;
         let (blocks, rest) = output.split_at_mut(whole);
         let mut total = simd.splat_f64s(0.0);
@@ -100,64 +102,91 @@ fn padded<const E: usize>(records: &[f64], count: usize) -> [[f64; E]; MOST] {
     buffer
 }
 
-struct Block<S, L, const D: usize, const E: usize> {
+/// How many elements ahead the memory is asked for covariances: it does not see by itself that rows
+/// are read in order.
+const AHEAD: usize = 1024;
+
+/// Starts a cache line: a vector across two lines costs twice, and is slow to read again.
+#[repr(align(64))]
+struct Aligned<T>(T);
+
+/// As many residuals as there are lanes, and what they are computed with.
+struct Block<S: Simd, L, const D: usize> {
     simd: S,
     load: L,
     symmetry: f64,
+    /// The covariances; the lower triangle is eaten up.
+    p: Aligned<[[S::f64s; D]; D]>,
+    /// The residuals, then L^-1 times them.
+    z: Aligned<[S::f64s; D]>,
+    /// What is subtracted from them.
+    y: Aligned<[S::f64s; D]>,
 }
 
-impl<S: Simd, L: Load<S>, const D: usize, const E: usize> Block<S, L, D, E> {
+impl<S: Simd, L: Load<S>, const D: usize> Block<S, L, D> {
     /// The forms of as many residuals as there are lanes.
     #[inline(always)]
-    fn forms(&self, first: &[f64], second: Option<&[f64]>, matrices: Matrices) -> S::f64s {
+    fn forms(&mut self, first: &[f64], second: Option<&[f64]>, matrices: Matrices) -> S::f64s {
+        self.load.load(self.simd, first, &mut self.z.0);
+        if let Some(second) = second {
+            self.load.load(self.simd, second, &mut self.y.0);
+            for i in 0..D {
+                self.z.0[i] = self.simd.sub_f64s(self.z.0[i], self.y.0[i]);
+            }
+        }
         match matrices {
-            Matrices::Own(p) => self.own(first, second, p),
-            Matrices::Shared { lower, inverses } => self.shared(first, second, lower, inverses),
+            Matrices::Own(p) => self.own(p),
+            Matrices::Shared { lower, inverses } => self.shared(lower, inverses),
         }
     }
 
+    /// With a covariance each.
     #[inline(always)]
-    fn own(&self, first: &[f64], second: Option<&[f64]>, p: &[f64]) -> S::f64s {
+    fn own(&mut self, p: &[f64]) -> S::f64s {
         let simd = self.simd;
-        let mut p = self.load.load::<E>(simd, p);
-        let mut fair = self.average(&mut p);
-        let mut z = self.residuals(first, second);
+        let size = S::F64_LANES * D * D;
+        let ahead = AHEAD.min(p.len() - size);
+        self.load.fetch(simd, &p[ahead..ahead + size]);
+        self.load.load(simd, p, self.p.0.as_flattened_mut());
+        let mut fair = self.average();
         let mut form = simd.splat_f64s(0.0);
         let least = simd.splat_f64s(doubtful_pivot(D));
-        let one = simd.splat_f64s(1.0);
         let mut bounds = [form; D];
         for j in 0..D {
-            bounds[j] = simd.mul_f64s(least, p[j * D + j]);
+            bounds[j] = simd.mul_f64s(least, self.p.0[j][j]);
         }
-        for j in 0..D {
-            let pivot = p[j * D + j];
-            fair = simd.and_m64s(fair, simd.greater_than_f64s(pivot, bounds[j]));
-            let inverse = simd.div_f64s(one, pivot);
-            let scaled = simd.mul_f64s(z[j], inverse);
-            form = simd.mul_add_e_f64s(z[j], scaled, form);
-            for i in j + 1..D {
-                let below = p[i * D + j];
-                z[i] = simd.negate_mul_add_e_f64s(below, scaled, z[i]);
-                let factor = simd.mul_f64s(below, inverse);
-                for k in j + 1..=i {
-                    p[i * D + k] = simd.negate_mul_add_e_f64s(factor, p[k * D + j], p[i * D + k]);
-                }
-            }
+        // One step a line, so that in each the loops have constant bounds.
+        macro_rules! eliminate {
+            ($($j:literal)*) => { $( if $j < D {
+                fair = simd.and_m64s(fair, simd.greater_than_f64s(self.p.0[$j][$j], bounds[$j]));
+                form = self.eliminate($j, form);
+            } )* };
         }
+        eliminate!(0 1 2 3 4 5 6 7 8);
         self.or_nan(fair, form)
     }
 
+    /// Subtracts column `j` from what is right of it, and adds its part to the form.
     #[inline(always)]
-    fn shared(
-        &self,
-        first: &[f64],
-        second: Option<&[f64]>,
-        lower: &[f64],
-        inverses: &[f64],
-    ) -> S::f64s {
-        let simd = self.simd;
-        let (lower, inverses) = (&lower[..E], &inverses[..D]);
-        let mut z = self.residuals(first, second);
+    fn eliminate(&mut self, j: usize, form: S::f64s) -> S::f64s {
+        let (simd, p, z) = (self.simd, &mut self.p.0, &mut self.z.0);
+        let inverse = simd.div_f64s(simd.splat_f64s(1.0), p[j][j]);
+        let scaled = simd.mul_f64s(z[j], inverse);
+        for i in j + 1..D {
+            z[i] = simd.negate_mul_add_e_f64s(p[i][j], scaled, z[i]);
+            let factor = simd.mul_f64s(p[i][j], inverse);
+            for k in j + 1..=i {
+                p[i][k] = simd.negate_mul_add_e_f64s(factor, p[k][j], p[i][k]);
+            }
+        }
+        simd.mul_add_e_f64s(z[j], scaled, form)
+    }
+
+    /// With one factored covariance.
+    #[inline(always)]
+    fn shared(&mut self, lower: &[f64], inverses: &[f64]) -> S::f64s {
+        let (simd, z) = (self.simd, &mut self.z.0);
+        let (lower, inverses) = (&lower[..D * D], &inverses[..D]);
         let mut form = simd.splat_f64s(0.0);
         for j in 0..D {
             let scaled = simd.mul_f64s(z[j], simd.splat_f64s(inverses[j]));
@@ -170,18 +199,6 @@ impl<S: Simd, L: Load<S>, const D: usize, const E: usize> Block<S, L, D, E> {
         self.or_nan(simd.equal_f64s(form, form), form)
     }
 
-    #[inline(always)]
-    fn residuals(&self, first: &[f64], second: Option<&[f64]>) -> [S::f64s; D] {
-        let mut z = self.load.load::<D>(self.simd, first);
-        if let Some(second) = second {
-            let second = self.load.load::<D>(self.simd, second);
-            for i in 0..D {
-                z[i] = self.simd.sub_f64s(z[i], second[i]);
-            }
-        }
-        z
-    }
-
     /// NaN in the lanes that are not `fair`, or where the form is infinite.
     #[inline(always)]
     fn or_nan(&self, fair: S::m64s, form: S::f64s) -> S::f64s {
@@ -192,14 +209,14 @@ impl<S: Simd, L: Load<S>, const D: usize, const E: usize> Block<S, L, D, E> {
 
     /// Averages the two triangles where they differ at all; returns the lanes that are symmetric.
     #[inline(always)]
-    fn average(&self, p: &mut [S::f64s; E]) -> S::m64s {
-        let simd = self.simd;
+    fn average(&mut self) -> S::m64s {
+        let (simd, p) = (self.simd, &self.p.0);
         let zero = simd.splat_u64s(0);
         let mut differing = zero;
         for i in 0..D {
             for j in 0..i {
-                let below = simd.transmute_u64s_f64s(p[i * D + j]);
-                let above = simd.transmute_u64s_f64s(p[j * D + i]);
+                let below = simd.transmute_u64s_f64s(p[i][j]);
+                let above = simd.transmute_u64s_f64s(p[j][i]);
                 differing = simd.or_u64s(differing, simd.xor_u64s(below, above));
             }
         }
@@ -208,26 +225,26 @@ impl<S: Simd, L: Load<S>, const D: usize, const E: usize> Block<S, L, D, E> {
         if D == 1 || simd.reduce_min_f64s(simd.select_f64s(same, one, none)) > 0.0 {
             return same;
         }
-        self.average_differing(p)
+        self.average_differing()
     }
 
     #[inline(always)]
-    fn average_differing(&self, p: &mut [S::f64s; E]) -> S::m64s {
-        let simd = self.simd;
+    fn average_differing(&mut self) -> S::m64s {
+        let (simd, p) = (self.simd, &mut self.p.0);
         let (half, symmetry) = (simd.splat_f64s(0.5), simd.splat_f64s(self.symmetry));
         let mut deviations = [half; D];
         for i in 0..D {
-            deviations[i] = simd.sqrt_f64s(simd.abs_f64s(p[i * D + i]));
+            deviations[i] = simd.sqrt_f64s(simd.abs_f64s(p[i][i]));
         }
         let mut symmetric = simd.equal_f64s(half, half);
         for i in 0..D {
             let scale = simd.mul_f64s(symmetry, deviations[i]);
             for j in 0..i {
-                let difference = simd.sub_f64s(p[j * D + i], p[i * D + j]);
+                let difference = simd.sub_f64s(p[j][i], p[i][j]);
                 let bound = simd.mul_f64s(scale, deviations[j]);
                 let within = simd.less_than_or_equal_f64s(simd.abs_f64s(difference), bound);
                 symmetric = simd.and_m64s(symmetric, within);
-                p[i * D + j] = simd.mul_add_e_f64s(half, difference, p[i * D + j]);
+                p[i][j] = simd.mul_add_e_f64s(half, difference, p[i][j]);
             }
         }
         symmetric

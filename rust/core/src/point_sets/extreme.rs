@@ -7,15 +7,15 @@
 
 use super::cutoff::Cutoff;
 use super::ospa::Ospa;
+use super::sets::Sets;
 use crate::assignment::{bottleneck, dense};
 use crate::error::Result;
-use crate::points::Points;
 
-/// OSPA of two sets, `1 <= x.len() <= y.len()`, at any order and any scale.
+/// OSPA of two sets, not more rows than columns and at least one, at any order and any scale.
 #[cold]
-pub(super) fn ospa(x: Points, y: Points, cutoff: &Cutoff) -> Result<Ospa> {
-    let (m, n) = (x.len(), y.len());
-    let mut distances = truncated_distances(x, y, cutoff.c());
+pub(super) fn ospa(sets: impl Sets, cutoff: &Cutoff) -> Result<Ospa> {
+    let (m, n) = sets.sizes();
+    let mut distances = truncated_distances(sets, cutoff.c());
     let unit = bottleneck::solve(&distances, m, n, &mut Default::default())?.0;
     let total = if unit == 0.0 || cutoff.p() == f64::INFINITY {
         (unit > 0.0).into()
@@ -38,33 +38,14 @@ fn combine(unit: f64, total: f64, m: usize, n: usize, cutoff: &Cutoff) -> Ospa {
     Ospa { distance: c * root(both), localization, cardinality: c * root(alone) }
 }
 
-fn truncated_distances(x: Points, y: Points, c: f64) -> Vec<f64> {
-    let pairs = (0..x.len()).flat_map(|i| (0..y.len()).map(move |j| (i, j)));
-    pairs.map(|(i, j)| distance(x.point(i), y.point(j)).min(c).min(f64::MAX)).collect()
-}
-
-/// The Euclidean distance, in units of its largest component: no square overflows.
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let differences = || a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    let largest = differences().fold(0.0, f64::max);
-    if largest == 0.0 || largest == f64::INFINITY {
-        return largest;
-    }
-    largest * differences().map(|d| (d / largest) * (d / largest)).sum::<f64>().sqrt()
+fn truncated_distances(sets: impl Sets, c: f64) -> Vec<f64> {
+    let (m, n) = sets.sizes();
+    let pairs = (0..m).flat_map(|i| (0..n).map(move |j| (i, j)));
+    pairs.map(|(i, j)| sets.distance(i, j).min(c).min(f64::MAX)).collect()
 }
 
 fn least_total(costs: &[f64], m: usize, n: usize) -> Result<f64> {
     let mut work = dense::Workspace::default();
     let columns = dense::solve(costs, m, n, &mut work)?;
     Ok(columns.iter().enumerate().map(|(i, j)| costs[i * n + j]).sum())
-}
-
-/// Whether a total of zero is owed to equal points, and not to differences so small that their
-/// powers vanish.
-pub(super) fn zero_is_exact(x: Points, y: Points, cutoff: &Cutoff) -> bool {
-    let d = x.dimension();
-    let mut differences = y.coordinates().chunks_exact(d).flat_map(|b| {
-        x.coordinates().chunks_exact(d).flat_map(move |a| a.iter().zip(b).map(|(a, b)| a - b))
-    });
-    differences.all(|d| d == 0.0 || (d.abs() > 1e-100 && cutoff.cost(d.abs()) > 1e-250))
 }

@@ -13,29 +13,38 @@
 //! Cost: O(rows x columns) and as much again for each conflict and each row on its path.
 
 use super::rows::{Lowest, PADDING};
+use super::unique::Graph;
 use pulp::Simd;
+use std::cmp::Ordering;
 
 /// No partner yet.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 /// A row that stays alone.
-const ALONE: u32 = u32::MAX - 1;
+pub(super) const ALONE: u32 = u32::MAX - 1;
 
 /// What one matching needs and the next can use again.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
+    /// The points of the columns, axis by axis.
+    pub(super) axes: Vec<f64>,
     /// The costs, row by row, each row padded to `stride` with the price of staying alone.
     pub(super) costs: Vec<f64>,
+    pub(super) rows: usize,
     pub(super) stride: usize,
-    row_dual: Vec<f64>,
-    column_dual: Vec<f64>,
+    pub(super) row_dual: Vec<f64>,
+    pub(super) column_dual: Vec<f64>,
     /// Length of the shortest path to each column.
     distance: Vec<f64>,
     /// The row before each column on that path.
     previous: Vec<u64>,
-    column_of_row: Vec<u32>,
-    row_of_column: Vec<u32>,
+    pub(super) column_of_row: Vec<u32>,
+    /// With one place more, for rows that stay alone.
+    pub(super) row_of_column: Vec<u32>,
+    /// The rows whose cheapest column was taken; so many of them.
     conflicts: Vec<u32>,
+    conflicting: usize,
     reached: Vec<Reached>,
+    pub(super) graph: Graph,
 }
 
 /// A column on the way of the search.
@@ -58,15 +67,26 @@ impl Workspace {
     /// Makes room for a problem of this size.
     #[inline(always)]
     pub(super) fn start(&mut self, rows: usize, columns: usize) {
+        self.rows = rows;
         self.stride = columns.next_multiple_of(PADDING);
         if self.costs.len() < rows * self.stride {
             self.costs.resize(rows * self.stride, 0.0);
         }
-        self.row_dual.clear();
-        self.column_of_row.clear();
+        if self.row_dual.len() < rows {
+            self.row_dual.resize(rows, 0.0);
+            self.column_of_row.resize(rows, NONE);
+            self.conflicts.resize(rows, NONE);
+        }
+        self.column_dual.clear();
+        self.column_dual.resize(self.stride, 0.0);
         self.row_of_column.clear();
-        self.row_of_column.resize(self.stride, NONE);
-        self.conflicts.clear();
+        self.row_of_column.resize(self.stride + 1, NONE);
+    }
+
+    /// Numbers in a row of costs, a multiple of the widest vector.
+    #[inline(always)]
+    pub(super) fn stride(&self) -> usize {
+        self.stride
     }
 
     /// The place for the costs of a row.
@@ -75,34 +95,55 @@ impl Workspace {
         &mut self.costs[row * self.stride..(row + 1) * self.stride]
     }
 
-    /// Says what is the least cost of the next row, and in which column: `None` where no cost is
-    /// below the price of staying alone.
+    /// Says what is the least cost of a row, and in which column.
     #[inline(always)]
-    pub(super) fn enter(&mut self, lowest: Option<(f64, usize)>, alone: f64) {
-        let row = self.row_dual.len() as u32;
-        let Some((cost, column)) = lowest else {
-            self.row_dual.push(alone);
-            self.column_of_row.push(ALONE);
-            return;
-        };
-        self.row_dual.push(cost);
-        if self.row_of_column[column] == NONE {
-            self.row_of_column[column] = row;
-            self.column_of_row.push(column as u32);
-        } else {
-            self.conflicts.push(row);
-            self.column_of_row.push(NONE);
+    pub(super) fn enter(&mut self, row: usize, (least, column): (f64, usize)) {
+        self.row_dual[row] = least;
+        self.column_of_row[row] = column as u32;
+    }
+
+    /// Gives every row in turn its cheapest column, where that is free.
+    ///
+    /// No branch: which rows are finished is as good as random, and a branch guessed wrong costs
+    /// more than all of this. A row that stays alone takes the place after the last column, which
+    /// is free again at once.
+    #[inline(always)]
+    fn settle(&mut self, alone: f64) {
+        let (last, rows) = (self.stride, self.rows);
+        let (owners, conflicts) = (&mut self.row_of_column[..=last], &mut self.conflicts[..rows]);
+        let mut conflicting = 0;
+        for (row, partner) in self.column_of_row[..rows].iter_mut().enumerate() {
+            let is_alone = self.row_dual[row] >= alone;
+            let column = if is_alone { last } else { (*partner as usize).min(last) };
+            let owner = owners[column];
+            let is_free = owner == NONE;
+            owners[column] = if is_free { row as u32 } else { owner };
+            owners[last] = NONE;
+            *partner = if is_alone { ALONE } else { *partner };
+            conflicts[conflicting] = row as u32;
+            conflicting += usize::from(!is_free);
         }
+        self.conflicting = conflicting;
     }
 
     /// The least total, once every row has entered.
     #[inline(always)]
     pub(super) fn solve<S: Simd>(&mut self, simd: S, alone: f64) -> f64 {
-        if self.conflicts.is_empty() {
-            return self.row_dual.iter().sum();
+        self.settle(alone);
+        if self.conflicting == 0 {
+            return self.row_dual[..self.rows].iter().sum();
         }
         self.resolve(simd, alone);
-        self.column_of_row.iter().enumerate().map(|(i, &j)| self.cost(i, j, alone)).sum()
+        let partners = self.column_of_row[..self.rows].iter().enumerate();
+        partners.map(|(i, &j)| self.cost(i, j, alone)).sum()
+    }
+
+    /// The rows that are matched at less than the price of staying alone, with their columns, once
+    /// solved.
+    pub(super) fn pairs(&self, alone: f64) -> impl Iterator<Item = (usize, usize)> {
+        let rows = self.column_of_row[..self.rows].iter().enumerate();
+        let matched = rows.filter(move |(i, j)| self.cost(*i, **j, alone) < alone);
+        matched.map(|(i, j)| (i, *j as usize))
     }
 
     #[inline(always)]
@@ -112,11 +153,9 @@ impl Workspace {
 
     #[inline(always)]
     fn resolve<S: Simd>(&mut self, simd: S, alone: f64) {
-        self.column_dual.clear();
-        self.column_dual.resize(self.stride, 0.0);
         self.distance.resize(self.stride, 0.0);
         self.previous.resize(self.stride, 0);
-        for k in 0..self.conflicts.len() {
+        for k in 0..self.conflicting {
             let row = self.conflicts[k] as usize;
             let (end, length) = self.search(simd, row, alone);
             self.update_duals(row, length);
@@ -128,18 +167,13 @@ impl Workspace {
     #[inline(always)]
     fn search<S: Simd>(&mut self, simd: S, row: usize, alone: f64) -> (End, f64) {
         self.reached.clear();
-        self.distance.fill(f64::INFINITY);
-        let (mut i, mut length) = (row, 0.0);
-        let (mut shortest, mut leaver) = (f64::INFINITY, row);
+        let (mut shortest, mut leaver) = (alone - self.row_dual[row], row);
+        let (mut distance, mut j) = self.relax::<S, true>(simd, row, -self.row_dual[row]);
         loop {
-            let leave = length + (alone - self.row_dual[i]);
-            if leave < shortest {
-                (shortest, leaver) = (leave, i);
-            }
-            let nearest = self.relax(simd, i, length - self.row_dual[i]);
-            let Some((distance, j)) = nearest.filter(|(distance, _)| *distance < shortest) else {
+            // Written so that a NaN ends the search: costs that overflow are found by the caller.
+            if !matches!(distance.partial_cmp(&shortest), Some(Ordering::Less)) {
                 return (End::Alone(leaver), shortest);
-            };
+            }
             if self.row_of_column[j] == NONE {
                 return (End::Free(j), distance);
             }
@@ -148,13 +182,24 @@ impl Workspace {
             // Out of the search: no path to it is shorter, and it is never the nearest.
             self.column_dual[j] = f64::NEG_INFINITY;
             self.distance[j] = f64::INFINITY;
-            (i, length) = (self.row_of_column[j] as usize, distance);
+            let i = self.row_of_column[j] as usize;
+            let leave = distance + (alone - self.row_dual[i]);
+            if leave < shortest {
+                (shortest, leaver) = (leave, i);
+            }
+            (distance, j) = self.relax::<S, false>(simd, i, distance - self.row_dual[i]);
         }
     }
 
-    /// Shortens the paths that lead through row `i`, and finds the nearest column.
+    /// Shortens the paths that lead through row `i`, the `FIRST` of the search or a later one, and
+    /// finds the nearest column.
     #[inline(always)]
-    fn relax<S: Simd>(&mut self, simd: S, i: usize, offset: f64) -> Option<(f64, usize)> {
+    fn relax<S: Simd, const FIRST: bool>(
+        &mut self,
+        simd: S,
+        i: usize,
+        offset: f64,
+    ) -> (f64, usize) {
         let costs = S::as_simd_f64s(&self.costs[i * self.stride..(i + 1) * self.stride]).0;
         let duals = S::as_simd_f64s(&self.column_dual).0;
         let distances = S::as_mut_simd_f64s(&mut self.distance).0;
@@ -165,12 +210,16 @@ impl Workspace {
             costs.iter().zip(duals).zip(distances).zip(previous)
         {
             let through = simd.add_f64s(simd.sub_f64s(*cost, *dual), offset);
-            let shorter = simd.less_than_f64s(through, *distance);
-            *distance = simd.select_f64s(shorter, through, *distance);
-            *previous = simd.select_u64s(shorter, row, *previous);
+            if FIRST {
+                (*distance, *previous) = (through, row);
+            } else {
+                let shorter = simd.less_than_f64s(through, *distance);
+                *distance = simd.select_f64s(shorter, through, *distance);
+                *previous = simd.select_u64s(shorter, row, *previous);
+            }
             lowest.take(simd, *distance);
         }
-        lowest.finish(simd, f64::INFINITY)
+        lowest.finish(simd)
     }
 
     #[inline(always)]

@@ -18,7 +18,10 @@
 //! Cost: O(m n) where no two points want the same partner, O(m^2 n) at worst.
 
 use super::cutoff::Cutoff;
-use super::{extreme, matching, rows, tiny};
+use super::pairs::{self, Pair};
+use super::sets::{Distances, Euclidean, Sets};
+use super::{extreme, matching, tiny};
+use crate::assignment::dense;
 use crate::error::{Error, Result};
 use crate::points::{Frames, Points};
 use crate::{simd, threads};
@@ -36,11 +39,11 @@ pub struct Ospa {
     pub cardinality: f64,
 }
 
-/// What OSPA of one frame needs and the next frame can use again.
+/// What one frame needs and the next frame can use again.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    axes: Vec<f64>,
-    matching: matching::Workspace,
+    pub(super) matching: matching::Workspace,
+    pub(super) exact: dense::Workspace,
 }
 
 /// OSPA of order `p` and cutoff `c` between two sets.
@@ -50,14 +53,55 @@ pub struct Workspace {
 /// points of different dimensions.
 pub fn ospa(x: Points, y: Points, c: f64, p: f64, work: &mut Workspace) -> Result<Ospa> {
     let cutoff = Cutoff::new(c, p)?;
-    let (expected, found) = (x.dimension(), y.dimension());
-    if !x.is_empty() && !y.is_empty() && found != expected {
-        return Err(Error::Dimension { argument: "Y", index: vec![0], found, expected });
-    }
+    let sets = euclidean(x, y)?;
     if x.len().max(y.len()) <= tiny::LARGEST {
-        return of_frame(pulp::Scalar::new(), x, y, &cutoff, work);
+        return of_frame(pulp::Scalar::new(), sets, &cutoff, work);
     }
-    simd::dispatch(OneFrame { x, y, cutoff: &cutoff, work })
+    simd::dispatch(OneFrame { sets, cutoff: &cutoff, work })
+}
+
+/// OSPA of two sets whose distances are given.
+///
+/// # Errors
+/// [`Error::Parameter`] for a cutoff or an order that is not positive.
+pub fn ospa_from_distances(
+    distances: Distances,
+    c: f64,
+    p: f64,
+    work: &mut Workspace,
+) -> Result<Ospa> {
+    let cutoff = &Cutoff::new(c, p)?;
+    simd::dispatch(OneFrame { sets: distances, cutoff, work })
+}
+
+/// The pairs of OSPA that are closer than the cutoff, in the order of `x`.
+///
+/// # Errors
+/// As [`ospa`].
+pub fn ospa_assignment(
+    x: Points,
+    y: Points,
+    c: f64,
+    p: f64,
+    work: &mut Workspace,
+) -> Result<Vec<Pair>> {
+    let cutoff = &Cutoff::new(c, p)?;
+    let (sets, mut pairs) = (euclidean(x, y)?, Vec::new());
+    if p == f64::INFINITY {
+        pairs::bottleneck(sets, cutoff, &mut pairs)?;
+    } else {
+        simd::dispatch(Assign { sets, cutoff, work, pairs: &mut pairs })?;
+    }
+    Ok(pairs)
+}
+
+/// Two sets of points, which must have the same dimension.
+pub(super) fn euclidean<'a>(x: Points<'a>, y: Points<'a>) -> Result<Euclidean<'a>> {
+    let (expected, found) = (x.dimension(), y.dimension());
+    if x.is_empty() || y.is_empty() || found == expected {
+        return Ok(Euclidean { x, y });
+    }
+    Err(Error::Dimension { argument: "Y", index: vec![0], found, expected })
 }
 
 /// OSPA of every pair of sets of two sequences, into `output`.
@@ -73,7 +117,7 @@ pub fn ospa_over_time(x: Frames, y: Frames, c: f64, p: f64, output: &mut [f64]) 
     })
 }
 
-fn check_sequences(x: Frames, y: Frames) -> Result<()> {
+pub(super) fn check_sequences(x: Frames, y: Frames) -> Result<()> {
     let argument = "Y_sequence";
     if x.len() != y.len() {
         let (found, expected) = (y.len(), x.len());
@@ -94,25 +138,40 @@ fn check_sequences(x: Frames, y: Frames) -> Result<()> {
 
 /// Pieces worth a thread: measured, handing one over costs about as much as 100 000 pairs of points
 /// take, and a frame without any costs as much as 40 pairs.
-fn frames_per_piece(x: Frames, y: Frames) -> usize {
+pub(super) fn frames_per_piece(x: Frames, y: Frames) -> usize {
     const PAIRS: usize = 100_000;
     let frames = x.len().max(1);
     PAIRS / (40 + (x.points() / frames) * (y.points() / frames)) + 1
 }
 
-struct OneFrame<'a> {
-    x: Points<'a>,
-    y: Points<'a>,
+struct OneFrame<'a, T> {
+    sets: T,
     cutoff: &'a Cutoff,
     work: &'a mut Workspace,
 }
 
-impl WithSimd for OneFrame<'_> {
+impl<T: Sets> WithSimd for OneFrame<'_, T> {
     type Output = Result<Ospa>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        of_frame(simd, self.x, self.y, self.cutoff, self.work)
+        of_frame(simd, self.sets, self.cutoff, self.work)
+    }
+}
+
+struct Assign<'a> {
+    sets: Euclidean<'a>,
+    cutoff: &'a Cutoff,
+    work: &'a mut Workspace,
+    pairs: &'a mut Vec<Pair>,
+}
+
+impl WithSimd for Assign<'_> {
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        pairs::least_total(simd, self.sets, self.cutoff, self.work, self.pairs)
     }
 }
 
@@ -131,8 +190,8 @@ impl WithSimd for ManyFrames<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let work = &mut Workspace::default();
         for (t, output) in (self.first..).zip(self.output) {
-            let (x, y) = (self.x.frame(t), self.y.frame(t));
-            *output = of_frame(simd, x, y, self.cutoff, work)?.distance;
+            let sets = Euclidean { x: self.x.frame(t), y: self.y.frame(t) };
+            *output = of_frame(simd, sets, self.cutoff, work)?.distance;
         }
         Ok(())
     }
@@ -141,47 +200,46 @@ impl WithSimd for ManyFrames<'_> {
 #[inline(always)]
 fn of_frame<S: Simd>(
     simd: S,
-    x: Points,
-    y: Points,
+    sets: impl Sets,
     cutoff: &Cutoff,
     work: &mut Workspace,
 ) -> Result<Ospa> {
-    let (x, y) = if x.len() > y.len() { (y, x) } else { (x, y) };
-    if y.is_empty() {
+    let (m, n) = sets.sizes();
+    let (sets, m, n) = if m > n { (sets.flipped(), n, m) } else { (sets, m, n) };
+    if n == 0 {
         return Ok(Ospa { distance: 0.0, localization: 0.0, cardinality: 0.0 });
     }
-    if x.is_empty() {
+    if m == 0 {
         return Ok(Ospa { distance: cutoff.c(), localization: 0.0, cardinality: cutoff.c() });
     }
     if cutoff.p() == f64::INFINITY || !cutoff.has_square() {
-        return extreme::ospa(x, y, cutoff);
+        return extreme::ospa(sets, cutoff);
     }
-    let total = least_total(simd, x, y, cutoff, work);
-    let result = from_total(total, x.len(), y.len(), cutoff);
-    let is_exact = total_is_exact(total, result.localization)
-        || (total == 0.0 && extreme::zero_is_exact(x, y, cutoff));
-    if is_exact && (x.len() == y.len() || missing_is_exact(cutoff)) {
+    let total = least_total(simd, sets, cutoff, &mut work.matching);
+    let result = from_total(total, m, n, cutoff);
+    let is_exact =
+        total_is_exact(total, result.localization) || (total == 0.0 && sets.zero_is_exact(cutoff));
+    if is_exact && (m == n || missing_is_exact(cutoff)) {
         return Ok(result);
     }
-    extreme::ospa(x, y, cutoff)
+    extreme::ospa(sets, cutoff)
 }
 
+/// The least total cost of matching every row with a column; not more rows than columns.
 #[inline(always)]
-fn least_total<S: Simd>(
+pub(super) fn least_total<S: Simd>(
     simd: S,
-    x: Points,
-    y: Points,
+    sets: impl Sets,
     cutoff: &Cutoff,
-    work: &mut Workspace,
+    work: &mut matching::Workspace,
 ) -> f64 {
-    if y.len() <= tiny::LARGEST {
-        return tiny::least_total(x, y, cutoff);
+    let (m, n) = sets.sizes();
+    if n <= tiny::LARGEST {
+        return sets.tiny_total(cutoff);
     }
-    let Workspace { axes, matching } = work;
-    rows::lay_out(y, axes);
-    matching.start(x.len(), y.len());
-    rows::enter_rows(simd, x, axes, cutoff, matching);
-    matching.solve(simd, cutoff.most())
+    work.start(m, n);
+    sets.enter(simd, cutoff, work);
+    work.solve(simd, cutoff.most())
 }
 
 /// The three results from the least total cost of `m <= n` pairs.

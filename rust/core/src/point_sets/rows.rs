@@ -7,6 +7,7 @@
 
 use super::cutoff::{Cutoff, Power};
 use super::matching::Workspace;
+use super::sets::Sets;
 use crate::points::Points;
 use pulp::Simd;
 
@@ -42,21 +43,19 @@ impl<S: Simd> Lowest<S> {
     #[inline(always)]
     pub(super) fn take(&mut self, simd: S, values: S::f64s) {
         let less = simd.less_than_f64s(values, self.value);
-        self.value = simd.select_f64s(less, values, self.value);
+        // Not a selection by `less`: from one vector to the next only this one is waited for.
+        self.value = simd.min_f64s(values, self.value);
         self.place = simd.select_f64s(less, self.here, self.place);
         self.here = simd.add_f64s(self.here, self.step);
     }
 
-    /// The least value and the first place of it, where one is below the bound.
+    /// The least value and the first place of it; the bound, and some place, where none is below.
     #[inline(always)]
-    pub(super) fn finish(self, simd: S, bound: f64) -> Option<(f64, usize)> {
+    pub(super) fn finish(self, simd: S) -> (f64, usize) {
         let least = simd.reduce_min_f64s(self.value);
-        if least >= bound {
-            return None;
-        }
         let here = simd.equal_f64s(self.value, simd.splat_f64s(least));
         let places = simd.select_f64s(here, self.place, simd.splat_f64s(f64::INFINITY));
-        Some((least, simd.reduce_min_f64s(places) as usize))
+        (least, simd.reduce_min_f64s(places) as usize)
     }
 }
 
@@ -75,7 +74,7 @@ pub(super) fn lay_out(points: Points, axes: &mut Vec<f64>) {
 
 /// Enters every point of `x` as a row of costs against the points laid out in `axes`.
 #[inline(always)]
-pub(super) fn enter_rows<S: Simd>(
+pub(super) fn enter_points<S: Simd>(
     simd: S,
     x: Points,
     axes: &[f64],
@@ -104,7 +103,7 @@ fn fused<S: Simd, const D: usize, const ROOT: bool>(
     cutoff: &Cutoff,
     work: &mut Workspace,
 ) {
-    let stride = work.stride;
+    let stride = work.stride();
     let near = simd.splat_f64s(cutoff.square());
     let most = simd.splat_f64s(cutoff.most());
     let axes: [&[S::f64s]; D] =
@@ -120,7 +119,7 @@ fn fused<S: Simd, const D: usize, const ROOT: bool>(
             *to = cost;
             lowest.take(simd, cost);
         }
-        work.enter(lowest.finish(simd, cutoff.most()), cutoff.most());
+        work.enter(i, lowest.finish(simd));
     }
 }
 
@@ -152,8 +151,31 @@ fn stepwise<S: Simd>(simd: S, x: Points, axes: &[f64], cutoff: &Cutoff, work: &m
             }
         }
         row.iter_mut().for_each(|cost| *cost = cutoff.cost_of_square(*cost));
-        let mut lowest = Lowest::new(simd, cutoff.most());
-        S::as_simd_f64s(row).0.iter().for_each(|costs| lowest.take(simd, *costs));
-        work.enter(lowest.finish(simd, cutoff.most()), cutoff.most());
+        enter_row(simd, i, cutoff, work);
     }
+}
+
+/// Enters rows of costs that are computed one by one.
+#[inline(always)]
+pub(super) fn enter_costs<S: Simd>(
+    simd: S,
+    sets: impl Sets,
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+) {
+    let (m, n) = sets.sizes();
+    for i in 0..m {
+        let (costs, padding) = work.row(i).split_at_mut(n);
+        costs.iter_mut().enumerate().for_each(|(j, cost)| *cost = sets.cost(i, j, cutoff));
+        padding.fill(cutoff.most());
+        enter_row(simd, i, cutoff, work);
+    }
+}
+
+/// Enters a row whose costs are written.
+#[inline(always)]
+fn enter_row<S: Simd>(simd: S, i: usize, cutoff: &Cutoff, work: &mut Workspace) {
+    let mut lowest = Lowest::new(simd, cutoff.most());
+    S::as_simd_f64s(work.row(i)).0.iter().for_each(|costs| lowest.take(simd, *costs));
+    work.enter(i, lowest.finish(simd));
 }

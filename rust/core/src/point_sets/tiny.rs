@@ -32,7 +32,7 @@ fn square(x: Points, y: Points, i: usize, j: usize) -> f64 {
 }
 
 #[inline]
-fn over_assignments(m: usize, n: usize, cost: impl Fn(usize, usize) -> f64) -> f64 {
+pub(super) fn over_assignments(m: usize, n: usize, cost: impl Fn(usize, usize) -> f64) -> f64 {
     match (m, n) {
         (1, _) => (0..n).map(|j| cost(0, j)).fold(f64::INFINITY, f64::min),
         (2, 2) => (cost(0, 0) + cost(1, 1)).min(cost(0, 1) + cost(1, 0)),

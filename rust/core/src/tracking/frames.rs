@@ -19,9 +19,12 @@
 //! order of the coordinates, without fused operations. Cost: O(n m) for a frame in which every point
 //! has a nearest partner of its own, the dense assignment otherwise.
 
+use super::distances::Distances;
 use crate::assignment::dense;
 use crate::error::{Error, Result};
 use crate::points::{Frames, Points};
+use crate::simd::dispatch;
+use pulp::{Simd, WithSimd};
 
 const NONE: usize = usize::MAX;
 
@@ -50,17 +53,34 @@ pub struct MotMetrics {
 /// [`Error::Infeasible`] where distances overflow.
 pub fn mot_metrics(ground_truth: Frames, estimates: Frames, threshold: f64) -> Result<MotMetrics> {
     check(ground_truth, estimates, threshold)?;
-    let (mut tally, mut matching) = (Tally::default(), Matching::default());
-    for t in 0..ground_truth.len() {
-        let (truth, found) = (ground_truth.frame(t), estimates.frame(t));
-        if truth.is_empty() {
-            tally.false_positives += found.len();
-            continue;
-        }
-        matching.solve(truth, found)?;
-        tally.frame(&matching, found.len(), threshold);
-    }
+    let tally = dispatch(Count { ground_truth, estimates, threshold })?;
     Ok(tally.scores(ground_truth.points()))
+}
+
+/// All frames, compiled for the width of the machine.
+struct Count<'a> {
+    ground_truth: Frames<'a>,
+    estimates: Frames<'a>,
+    threshold: f64,
+}
+
+impl WithSimd for Count<'_> {
+    type Output = Result<Tally>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Result<Tally> {
+        let (mut tally, mut matching) = (Tally::default(), Matching::default());
+        for t in 0..self.ground_truth.len() {
+            let (truth, found) = (self.ground_truth.frame(t), self.estimates.frame(t));
+            if truth.is_empty() {
+                tally.false_positives += found.len();
+                continue;
+            }
+            matching.solve(simd, truth, found)?;
+            tally.frame(&matching, found.len(), self.threshold);
+        }
+        Ok(tally)
+    }
 }
 
 fn check(ground_truth: Frames, estimates: Frames, threshold: f64) -> Result<()> {
@@ -149,31 +169,37 @@ struct Matching {
     partner: Vec<usize>,
     /// Its distance.
     distance: Vec<f64>,
-    costs: Vec<f64>,
+    costs: Distances,
     nearest: Vec<usize>,
     taken: Vec<bool>,
+    packed: Vec<f64>,
     assignment: dense::Workspace,
 }
 
 impl Matching {
     /// Matches all of the smaller set at the least total distance.
-    fn solve(&mut self, truth: Points, found: Points) -> Result<()> {
+    #[inline(always)]
+    fn solve<S: Simd>(&mut self, simd: S, truth: Points, found: Points) -> Result<()> {
         let swapped = truth.len() > found.len();
         let (rows, columns) = if swapped { (found, truth) } else { (truth, found) };
-        fill_distances(rows, columns, &mut self.costs);
-        let chosen = if self.every_row_has_a_nearest(columns.len()) {
-            &self.nearest
-        } else {
-            dense::solve(&self.costs, rows.len(), columns.len(), &mut self.assignment)?
-        };
         self.partner.clear();
         self.partner.resize(truth.len(), NONE);
         self.distance.clear();
         self.distance.resize(truth.len(), 0.0);
+        if rows.is_empty() {
+            return Ok(());
+        }
+        self.costs.fill(simd, rows, columns);
+        let chosen = if self.every_row_has_a_nearest(columns.len()) {
+            &self.nearest
+        } else {
+            self.costs.pack(&mut self.packed);
+            dense::solve(&self.packed, rows.len(), columns.len(), &mut self.assignment)?
+        };
         for (row, &column) in chosen.iter().enumerate() {
             let (i, j) = if swapped { (column, row) } else { (row, column) };
             self.partner[i] = j;
-            self.distance[i] = self.costs[row * columns.len() + column];
+            self.distance[i] = self.costs.row(row)[column];
         }
         Ok(())
     }
@@ -185,10 +211,9 @@ impl Matching {
         self.nearest.clear();
         self.taken.clear();
         self.taken.resize(columns, false);
-        self.costs.chunks_exact(columns.max(1)).all(|row| {
-            let least =
-                row.iter().fold(f64::INFINITY, |least, &c| if c < least { c } else { least });
-            let free = row.iter().zip(&self.taken).position(|(&c, &taken)| c == least && !taken);
+        self.costs.least().iter().enumerate().all(|(i, &least)| {
+            let row = self.costs.row(i).iter().zip(&self.taken);
+            let free = row.into_iter().position(|(&cost, &taken)| cost == least && !taken);
             free.filter(|_| least < f64::INFINITY).is_some_and(|column| {
                 self.taken[column] = true;
                 self.nearest.push(column);
@@ -196,36 +221,6 @@ impl Matching {
             })
         })
     }
-}
-
-/// Distances between all rows and all columns, row by row.
-fn fill_distances(rows: Points, columns: Points, costs: &mut Vec<f64>) {
-    costs.clear();
-    costs.reserve(rows.len() * columns.len());
-    match rows.dimension() {
-        1 => fill_fixed::<1>(rows, columns, costs),
-        2 => fill_fixed::<2>(rows, columns, costs),
-        3 => fill_fixed::<3>(rows, columns, costs),
-        _ => {
-            for i in 0..rows.len() {
-                let a = rows.point(i);
-                costs.extend((0..columns.len()).map(|j| distance(a, columns.point(j))));
-            }
-        }
-    }
-}
-
-fn fill_fixed<const D: usize>(rows: Points, columns: Points, costs: &mut Vec<f64>) {
-    let (rows, columns) =
-        (rows.coordinates().as_chunks::<D>().0, columns.coordinates().as_chunks::<D>().0);
-    for a in rows {
-        costs.extend(columns.iter().map(|b| distance(a, b)));
-    }
-}
-
-#[inline]
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
@@ -307,12 +302,21 @@ mod tests {
         let mut short = 0;
         for _ in 0..5000 {
             let (rows, columns) = (1 + next(4) as usize, 4 + next(2) as usize);
-            matching.costs = (0..rows * columns).map(|_| next(9) as f64).collect();
-            if matching.every_row_has_a_nearest(columns) {
-                let solved = dense::solve(&matching.costs, rows, columns, &mut matching.assignment);
-                assert_eq!(solved, Ok(&matching.nearest[..]), "{:?}", matching.costs);
-                short += 1;
-            }
+            let mut points = |n: usize| -> Vec<f64> { (0..n).map(|_| next(12) as f64).collect() };
+            let (x, y) = (points(rows), points(columns));
+            let sets = [Points::new("x", &x, 1).unwrap(), Points::new("y", &y, 1).unwrap()];
+            matching.solve(pulp::Scalar::new(), sets[0], sets[1]).unwrap();
+            let mut costs = Vec::new();
+            matching.costs.pack(&mut costs);
+            assert!(
+                costs
+                    .iter()
+                    .enumerate()
+                    .all(|(k, c)| (x[k / columns] - y[k % columns]).abs() == *c)
+            );
+            let solved = dense::solve(&costs, rows, columns, &mut matching.assignment);
+            assert_eq!(solved, Ok(&matching.partner[..]), "{costs:?}");
+            short += usize::from(matching.every_row_has_a_nearest(columns));
         }
         assert!(short > 1000);
     }

@@ -1,0 +1,149 @@
+"""Ten thousand runs of a hundred steps: the statistics against batched NumPy and a pytcl loop; the
+cost of driving a sweep; threads, processes and Dask."""
+
+import time
+
+import numpy as np
+
+import trackmetrics
+from harness import Bench
+from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
+
+RUNS, STEPS, STATES = 10_000, 100, 4
+THRESHOLDS = (3.356694, 7.779440, 9.487729, 13.276704)  # chi-square of 4: 50, 90, 95, 99 %
+RUN_SECONDS = 0.005
+
+
+def batch(runs):
+    """Errors as large as their covariances say."""
+    rng = np.random.default_rng(0)
+    root = 0.5 * rng.normal(size=(runs, STEPS, STATES, STATES)) + 2 * np.eye(STATES)
+    errors = np.einsum("rtij,rtj->rti", root, rng.normal(size=(runs, STEPS, STATES)))
+    truth = rng.normal(size=errors.shape)
+    return {
+        "truth": truth,
+        "estimates": truth - errors,
+        "covariances": root @ root.swapaxes(-1, -2),
+    }
+
+
+def accumulated(arrays):
+    accumulator = ConsistencyAccumulator()
+    accumulator.update(arrays, 0)
+    return accumulator.result()
+
+
+def in_numpy(arrays):
+    """ANEES, RMSE and coverage, as one writes them with NumPy."""
+    e = arrays["truth"] - arrays["estimates"]
+    q = np.einsum("rti,rti->rt", e, np.linalg.solve(arrays["covariances"], e[..., None])[..., 0])
+    coverage = [(q <= threshold).mean(0) for threshold in THRESHOLDS]
+    return q.mean(0) / STATES, np.sqrt((e**2).mean(0)), coverage
+
+
+def all_in_numpy(arrays):
+    """Everything that the accumulator keeps, with NumPy."""
+    anees, rmse, coverage = in_numpy(arrays)
+    e = arrays["truth"] - arrays["estimates"]
+    q = np.einsum("rti,rti->rt", e, np.linalg.solve(arrays["covariances"], e[..., None])[..., 0])
+    decibels = 10 * np.log10(q)
+    z = e / np.sqrt(np.einsum("rtjj->rtj", arrays["covariances"]))
+    bins = np.geomspace(1e-6, 1e8, 386)
+    histogram = [np.histogram(q[:, t], bins)[0] for t in range(STEPS)]
+    kept = decibels.mean(0), np.abs(decibels - 5.0).mean(0), (q**2).mean(0)
+    return anees, rmse, coverage, kept, e.mean(0), z.mean(0), histogram
+
+
+def in_pytcl(arrays, runs):
+    """A loop over runs with pytcl."""
+    from pytcl.performance_evaluation import nees_sequence, rmse
+
+    nees = [nees_sequence(*(arrays[name][r] for name in arrays)) for r in range(runs)]
+    errors = [rmse(arrays["truth"][r], arrays["estimates"][r], axis=0) for r in range(runs)]
+    return np.mean(nees, 0) / STATES, errors
+
+
+def simulate(rng):
+    """A run that takes five milliseconds of a processor."""
+    end = time.perf_counter() + RUN_SECONDS
+    errors = rng.normal(size=(STEPS, STATES))
+    while time.perf_counter() < end:
+        pass
+    return {"truth": np.zeros_like(errors), "estimates": errors, "covariances": _UNIT}
+
+
+_UNIT = np.broadcast_to(np.eye(STATES), (STEPS, STATES, STATES))
+
+
+def statistics(bench):
+    arrays = batch(RUNS)
+    ours, theirs = accumulated(arrays), in_numpy(arrays)
+    assert np.allclose(ours.anees, theirs[0], rtol=1e-9)
+    assert np.allclose(ours.rmse, theirs[1], rtol=1e-9)
+    assert np.allclose(list(ours.coverage.values()), theirs[2])
+    bench.compare(
+        "10 000 runs x 100 steps x 4 states",
+        lambda: accumulated(arrays),
+        {"NumPy, 3 of these": lambda: in_numpy(arrays), "NumPy": lambda: all_in_numpy(arrays)},
+        target={"NumPy, 3 of these": 10.0},
+        seconds=12.0,
+        rounds=7,
+    )
+    few = {name: array[:20].copy() for name, array in arrays.items()}
+    assert np.allclose(in_pytcl(few, 20)[0], accumulated(few).anees, rtol=1e-9)
+    scale = RUNS / 20
+    start = time.perf_counter()
+    in_pytcl(few, 20)
+    loop = scale * (time.perf_counter() - start)
+    start = time.perf_counter()
+    accumulated(arrays)
+    ratio = loop / (time.perf_counter() - start)
+    bench.report("10 000 runs x 100 steps x 4 states", ratio, "x pytcl, from 20 runs", 400.0)
+
+
+def threads(bench):
+    arrays = batch(RUNS)
+    before = trackmetrics.threads()
+    times = {1: [], 2: []}
+    for _ in range(9):
+        for count, found in times.items():
+            trackmetrics.set_threads(count)
+            start = time.perf_counter()
+            accumulated(arrays)
+            found.append(time.perf_counter() - start)
+    trackmetrics.set_threads(before)
+    ratio = float(np.median(times[1]) / np.median(times[2]))
+    bench.report("two threads", ratio, "x one thread", 1.4)
+
+
+def driving(bench, runs=200):
+    start = time.perf_counter()
+    sweep(simulate, runs, seed=1, progress=False)
+    seconds = time.perf_counter() - start
+    bench.report("driver's cost, runs of 5 ms", 100 * (seconds / (runs * RUN_SECONDS) - 1), "%")
+
+
+def executors(bench, runs=600):
+    from distributed import Client, LocalCluster
+
+    times = {"processes": [], "dask": []}
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        for _ in range(3):
+            for name, executor in (("processes", "processes"), ("dask", client)):
+                start = time.perf_counter()
+                sweep(simulate, runs, seed=1, progress=False, executor=executor, workers=2)
+                times[name].append(time.perf_counter() - start)
+    ratio = float(np.median(times["dask"]) / np.median(times["processes"]))
+    bench.report("Dask on one machine", ratio, "x the time of processes")
+
+
+if __name__ == "__main__":
+    bench = Bench("monte_carlo")
+    statistics(bench)
+    threads(bench)
+    driving(bench)
+    executors(bench)
+    bench.finish()

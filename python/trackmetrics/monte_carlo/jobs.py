@@ -1,0 +1,223 @@
+"""Some runs of one setting, wherever they are worked on: the part of a sweep that travels."""
+
+import os
+import threading
+import time
+import traceback
+import uuid
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from trackmetrics import _backend
+from trackmetrics.monte_carlo.accumulator import Accumulator
+from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.tally import Tally
+
+ARRAYS = ("truth", "estimates", "covariances", "innovations", "innovation_covariances")
+_TOGETHER = 64
+"""Runs whose arrays are kept until they are reduced together."""
+_BYTES = 8 << 20
+"""Bytes of arrays after which they are reduced earlier."""
+_TOKEN = uuid.uuid4().hex
+
+
+def here() -> tuple[str, int]:
+    """This process: a token of the import, and the number, since children inherit the token."""
+    return _TOKEN, os.getpid()
+
+
+@dataclass(frozen=True)
+class Job:
+    """Some runs of one setting."""
+
+    simulate: Callable[..., Any]
+    setting: int
+    settings: Mapping[str, Any]
+    first: int
+    stop: int
+    seed: Any
+    collect: bool
+    """Whether a run that fails is recorded, and does not stop the sweep."""
+    block_level: int
+    consistency: Mapping[str, Any]
+    backend: str
+    threads: int
+    origin: tuple[str, int] = field(default_factory=here)
+
+
+@dataclass(frozen=True)
+class Done:
+    """What came of a job."""
+
+    setting: int
+    tally: Tally
+    seconds: float
+
+
+def generator(seed: Any, run: int) -> np.random.Generator:
+    """The random numbers of a run: they depend on the seed and on the run's number alone."""
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(run,)))
+
+
+def work(job: Job, stopped: threading.Event | None = None) -> Done:
+    """Simulates the runs of a job and reduces them; ends early, whole, where it is ``stopped``."""
+    start = time.perf_counter()
+    with _as_asked(job):
+        reducer = _Reducer(job)
+        for run in range(job.first, job.stop):
+            if stopped is not None and stopped.is_set():
+                break
+            reducer.simulate(run)
+        reducer.reduce()
+    return Done(job.setting, reducer.tally, time.perf_counter() - start)
+
+
+@contextmanager
+def _as_asked(job: Job) -> Iterator[None]:
+    """In a process of its own, a job brings its backend and its number of kernel threads."""
+    if job.origin == here():
+        yield
+        return
+    before = _backend.threads()
+    with _backend.use_backend(job.backend):
+        _backend.set_threads(job.threads)
+        try:
+            yield
+        finally:
+            _backend.set_threads(before)
+
+
+class _Reducer:
+    """Collects runs and reduces them together."""
+
+    def __init__(self, job: Job) -> None:
+        self.job, self.tally = job, Tally()
+        self.outputs: list[Mapping[str, Any]] = []
+        self.first = job.first
+        self.bytes = 0
+
+    def simulate(self, run: int) -> None:
+        """One run; its arrays wait to be reduced with those of its neighbours."""
+        try:
+            output = self.job.simulate(generator(self.job.seed, run), **self.job.settings)
+            output = _checked(output)
+        except Exception as error:
+            self.reduce()
+            self._fail(run, error)
+            self.first = run + 1
+            return
+        self.outputs.append(output)
+        self.bytes += sum(x.nbytes for x in output.values() if isinstance(x, np.ndarray))
+        if len(self.outputs) == _TOGETHER or self.bytes > _BYTES:
+            self.reduce()
+
+    def reduce(self) -> None:
+        """Reduces what waits; where that fails, run by run, to find the one at fault."""
+        outputs, first = self.outputs, self.first
+        self.outputs, self.bytes, self.first = [], 0, first + len(self.outputs)
+        if not outputs:
+            return
+        try:
+            self.tally.merge(_tally(self.job, outputs, first))
+        except Exception as error:
+            if len(outputs) == 1:
+                self._fail(first, error)
+                return
+            failed = len(self.tally.failures)
+            for i, output in enumerate(outputs):
+                self.outputs, self.first = [output], first + i
+                self.reduce()
+            if len(self.tally.failures) == failed:
+                raise
+
+    def _fail(self, run: int, error: Exception) -> None:
+        if not self.job.collect:
+            given = ", ".join(f"{name}={value!r}" for name, value in self.job.settings.items())
+            error.add_note(f"in run {run} of seed {self.job.seed}{given and f' with {given}'}")
+            raise error
+        text = traceback.format_exception_only(error)[0].strip()
+        self.tally.fail(run, text, "".join(traceback.format_exception(error)))
+
+
+def _checked(output: Any) -> dict[str, Any]:
+    """Arrays as they are, scores as floats."""
+    if not isinstance(output, Mapping):
+        raise TypeError(f"simulate must return a mapping of names, got {type(output).__name__}")
+    checked: dict[str, Any] = {}
+    for name, value in output.items():
+        if isinstance(value, Accumulator):
+            checked[name] = value
+        elif name in ARRAYS:
+            checked[name] = np.asarray(value)
+        else:
+            checked[name] = _score(name, value)
+    if not checked:
+        raise ValueError("simulate returned nothing")
+    return checked
+
+
+def _score(name: str, value: Any) -> float:
+    if np.ndim(value) or np.asarray(value).dtype.kind not in "biuf":
+        raise TypeError(
+            f"simulate returned {name!r} of type {type(value).__name__}: expected one of "
+            f"{', '.join(ARRAYS)}, a number, or an accumulator"
+        )
+    return float(value)
+
+
+def _tally(job: Job, outputs: list[Mapping[str, Any]], first: int) -> Tally:
+    """The runs from ``first`` on, reduced."""
+    names = list(outputs[0])
+    for i, output in enumerate(outputs):
+        if list(output) != names:
+            here, there = ", ".join(output), ", ".join(names)
+            raise ValueError(f"run {first + i} gave {here}; run {first} gave {there}")
+    tally, stop = Tally(), first + len(outputs)
+    scores: dict[str, Any] = {}
+    batch = {name: _stacked(name, outputs, first) for name in names if name in ARRAYS}
+    if batch:
+        consistency = ConsistencyAccumulator(**job.consistency)
+        scores |= _built_in(consistency.absorb(batch, first), consistency.shape or {})
+        tally.take("consistency", consistency, first, stop)
+    for name in names:
+        values = [output[name] for output in outputs]
+        if isinstance(values[0], Accumulator):
+            for run, accumulator in enumerate(values, first):
+                tally.take(name, accumulator.moved_to(run), run, run + 1)
+        elif name not in ARRAYS:
+            scores[name] = values
+    if scores:
+        cell = ScoreAccumulator(job.block_level)
+        cell.update(scores, first)
+        tally.take("scores", cell, first, stop)
+    tally.cover(first, stop)
+    return tally
+
+
+def _stacked(name: str, outputs: list[Mapping[str, Any]], first: int) -> Any:
+    arrays = [output[name] for output in outputs]
+    for i, array in enumerate(arrays):
+        if array.shape != arrays[0].shape:
+            raise ValueError(
+                f"{name} of run {first + i} has shape {array.shape}, "
+                f"that of run {first} {arrays[0].shape}"
+            )
+    return np.stack(arrays)
+
+
+def _built_in(of_runs: Mapping[str, Any], shape: Mapping[str, Any]) -> dict[str, Any]:
+    """For each run the mean over its steps of q / n, and of the squared error of each state."""
+    scores: dict[str, Any] = {}
+    for channel, sums in of_runs.items():
+        counted = np.where(sums[:, 0] > 0, sums[:, 0], np.nan)
+        name = "nees" if channel == "states" else "nis"
+        scores[name] = sums[:, 1] / counted / shape[channel][1]
+        if channel == "states":
+            for j in range(shape[channel][1]):
+                scores[f"squared_error[{j}]"] = sums[:, 2 + j] / counted
+    return scores

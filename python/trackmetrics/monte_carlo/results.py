@@ -1,0 +1,214 @@
+"""What a sweep found."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+
+from trackmetrics.monte_carlo.choice import Best, choose
+from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.tally import Failure, Tally
+from trackmetrics.monte_carlo.tree import Floats
+
+Rows = Literal["steps", "settings"]
+
+
+@dataclass(frozen=True, repr=False)
+class SweepResult:
+    """Statistics of every setting and step of a sweep."""
+
+    runs: int
+    """Runs of each setting that were asked for."""
+    seed: Any
+    """What decided the random numbers."""
+    grid: list[dict[str, Any]]
+    """The settings."""
+    tallies: list[Tally]
+    """What was accumulated for each setting."""
+
+    @property
+    def done(self) -> list[int]:
+        """Runs of each setting that are done, failed ones too."""
+        return [len(tally) for tally in self.tallies]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every run of every setting is done."""
+        return all(done == self.runs for done in self.done)
+
+    @property
+    def failures(self) -> list[Failure]:
+        """The runs that failed, by setting and run."""
+        return [
+            Failure(run, settings, *tally.failures[run])
+            for settings, tally in zip(self.grid, self.tallies, strict=True)
+            for run in sorted(tally.failures)
+        ]
+
+    @cached_property
+    def consistency(self) -> list[ConsistencySummary]:
+        """The statistics of errors and innovations of each setting."""
+        cells = [tally.cells.get("consistency") for tally in self.tallies]
+        if not any(isinstance(cell, ConsistencyAccumulator) for cell in cells):
+            raise ValueError("no run gave truth, estimates and covariances, or innovations")
+        return [
+            cell.result() if isinstance(cell, ConsistencyAccumulator) else
+            ConsistencySummary(0, None, None)
+            for cell in cells
+        ]  # fmt: skip
+
+    @property
+    def anees(self) -> Floats:
+        """Average NEES over runs by the dimension, ``(settings, steps)``; 1 is honest."""
+        return self._stacked("states", "mean")
+
+    @property
+    def anees_interval(self) -> Floats:
+        """Where the ANEES of an honest filter lies, ``(2,)``; ``(settings, 2)`` where settings
+        have different numbers of runs."""
+        return _one_or_each(self._stacked("states", "interval"))
+
+    @property
+    def anis(self) -> Floats:
+        """Average NIS over runs by the dimension, ``(settings, steps)``; 1 is honest."""
+        return self._stacked("innovations", "mean")
+
+    @property
+    def rmse(self) -> Floats:
+        """Root mean square error over runs, ``(settings, steps, n)``; 0 is best."""
+        return self._stacked("states", "rmse")
+
+    @property
+    def rmse_interval(self) -> Floats:
+        """Its interval, ``(settings, steps, n, 2)``."""
+        return self._stacked("states", "rmse_interval")
+
+    @cached_property
+    def coverage(self) -> dict[float, Floats]:
+        """For each probability the share of errors inside that region, ``(settings, steps)``."""
+        forms = self._forms("states")
+        levels = next(form.coverage for form in forms if form is not None)
+        return {
+            level: _stack([None if form is None else form.coverage[level] for form in forms])
+            for level in levels
+        }
+
+    def __getitem__(self, name: str) -> list[Any]:
+        """For each setting the result of the accumulators that runs returned as ``name``."""
+        found = [tally.cells.get(name) for tally in self.tallies]
+        if not any(found):
+            raise KeyError(name)
+        return [None if cell is None else cell.result() for cell in found]
+
+    @cached_property
+    def scores(self) -> dict[str, Floats]:
+        """Mean over runs of every score, ``(settings,)``: ``nees`` and ``nis`` (means over steps of
+        q / n), ``squared_error[j]`` of each state, and those that the runs returned."""
+        means = [cell.means() if cell else {} for cell in self._score_cells()]
+        names = list(dict.fromkeys(name for found in means for name in found))
+        return {name: np.array([found.get(name, np.nan) for found in means]) for name in names}
+
+    def best(
+        self,
+        by: str = "anees",
+        *,
+        states: Sequence[int] | None = None,
+        maximize: bool = False,
+        confidence: float = 0.95,
+    ) -> Best:
+        """The best setting, and whether the next one is worse by more than chance.
+
+        Parameters
+        ----------
+        by : str
+            ``"anees"`` or ``"anis"``: the least distance from 0 of ln(mean over runs and steps of
+            q / n), where an honest filter is. ``"rmse"``: the least root of the summed mean
+            squared errors of ``states``, which must have one unit. Or the name of a score.
+        states : sequence of int
+            For ``"rmse"``; by default all.
+        maximize : bool
+            Whether more of that score is better.
+        confidence : float
+            Of the intervals.
+
+        Notes
+        -----
+        Runs are paired, since all settings saw the same random numbers. The interval of the best of
+        many settings is a little too good, as that of every winner is.
+        """
+        cells = self._score_cells()
+        return choose(self.grid, cells, by, states, maximize, confidence)
+
+    def to_columns(self, rows: Rows = "steps") -> dict[str, list[Any]]:
+        """A tidy table: one row for each setting and step, or for each setting, by columns."""
+        from trackmetrics.monte_carlo import tables
+
+        return tables.of_settings(self) if rows == "settings" else tables.of_steps(self)
+
+    def to_pandas(self, rows: Rows = "steps") -> Any:
+        """A pandas ``DataFrame`` of :meth:`to_columns`."""
+        import pandas as pd
+
+        return pd.DataFrame(self.to_columns(rows))
+
+    def to_polars(self, rows: Rows = "steps") -> Any:
+        """A polars ``DataFrame`` of :meth:`to_columns`."""
+        import polars as pl
+
+        return pl.DataFrame(self.to_columns(rows))
+
+    def to_parquet(self, path: str | os.PathLike[str], rows: Rows = "steps") -> None:
+        """Writes :meth:`to_columns` as Parquet, by `polars`."""
+        self.to_polars(rows).write_parquet(path)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What a page or a log needs: settings, scores and failures."""
+        return {
+            "runs": self.runs,
+            "seed": self.seed,
+            "complete": self.complete,
+            "settings": self.to_columns("settings"),
+            "failures": [failure.to_dict() for failure in self.failures],
+        }
+
+    def to_bytes(self) -> bytes:
+        """Everything that was accumulated: the same bytes for the same seed, grid and runs."""
+        return b"".join(tally.to_bytes() for tally in self.tallies)
+
+    def __repr__(self) -> str:
+        failed = len(self.failures)
+        parts = [f"settings={len(self.grid)}", f"runs={self.runs}"]
+        parts += [] if self.complete else [f"done={sum(self.done)}"]
+        parts += [f"failed={failed}"] if failed else []
+        parts += [f"{name}={values.round(4).tolist()}" for name, values in self.scores.items()]
+        return f"SweepResult({', '.join(parts)})"
+
+    def _score_cells(self) -> list[ScoreAccumulator | None]:
+        cells = [tally.cells.get("scores") for tally in self.tallies]
+        return [cell if isinstance(cell, ScoreAccumulator) else None for cell in cells]
+
+    def _forms(self, channel: str) -> list[FormStatistics | None]:
+        forms = [getattr(result, channel) for result in self.consistency]
+        if not any(forms):
+            raise ValueError(f"no run gave {'truth' if channel == 'states' else channel}")
+        return forms
+
+    def _stacked(self, channel: str, name: str) -> Floats:
+        return _stack([form and getattr(form, name) for form in self._forms(channel)])
+
+
+def _stack(arrays: list[Any]) -> Floats:
+    """NaN for a setting of which nothing is known."""
+    like = next(array for array in arrays if array is not None)
+    return np.stack([np.full_like(like, np.nan) if a is None else a for a in arrays])
+
+
+def _one_or_each(intervals: Floats) -> Floats:
+    same = (intervals == intervals[:1]).all()
+    first: Floats = intervals[0]
+    return first if same else intervals

@@ -1,0 +1,96 @@
+"""A sweep as one self-contained page: its figures for light and dark screens, and its table."""
+
+import base64
+import html
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+from trackmetrics.monte_carlo import SweepResult
+from trackmetrics.report.figures import draw
+from trackmetrics.report.marks import Scene
+from trackmetrics.report.sweeps import heat_scene, label, sweep_scene
+from trackmetrics.report.theme import DARK, LIGHT
+
+_PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<style>
+:root {{ color-scheme: light dark; {light} }}
+@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}
+body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 76rem; padding: 0 1rem;
+  background: var(--page); color: var(--ink); }}
+img {{ max-width: 100%; height: auto; background: var(--surface); }}
+table {{ border-collapse: collapse; }}
+td, th {{ padding: .25rem .8rem; text-align: right; border-bottom: 1px solid var(--grid); }}
+</style></head><body>
+<h1>{title}</h1><p>{summary}</p>
+{figures}
+{table}
+</body></html>
+"""
+
+
+def write_sweep_page(
+    path: str | os.PathLike[str], result: SweepResult, *, title: str = "Monte Carlo sweep"
+) -> None:
+    """Writes the figures and the table of a sweep as one HTML file, readable offline."""
+    Path(path).write_text(sweep_page(result, title=title), encoding="utf-8")
+
+
+def sweep_page(result: SweepResult, *, title: str = "Monte Carlo sweep") -> str:
+    """The figures and the table of a sweep as HTML.
+
+    ANEES and RMSE over time where runs gave truth; the mean NEES over the first two parameters of
+    the grid that vary.
+    """
+    scenes = []
+    if "nees" in result.scores:
+        scenes.append(sweep_scene(result, None, 1.0))
+    varying = [name for name in result.grid[0] if len({repr(s[name]) for s in result.grid}) > 1]
+    if len(varying) > 1 and result.scores:
+        scenes.append(heat_scene(result, varying[0], varying[1], next(iter(result.scores))))
+    failed = len(result.failures)
+    summary = f"{result.runs} runs of {len(result.grid)} settings, seed {result.seed}"
+    summary += f"; {failed} runs failed" if failed else ""
+    return _PAGE.format(
+        title=html.escape(title),
+        summary=html.escape(summary),
+        light=_variables(LIGHT.colours),
+        dark=_variables(DARK.colours),
+        figures="\n".join(map(_picture, scenes)),
+        table=_table(result),
+    )
+
+
+def _variables(colours: Any) -> str:
+    return " ".join(f"--{name}: {colours[name]};" for name in ("page", "surface", "ink", "grid"))
+
+
+def _picture(scene: Scene) -> str:
+    light, dark = (_address(draw(scene, "matplotlib", dark)) for dark in (False, True))
+    return (
+        f'<p><picture><source srcset="{dark}" media="(prefers-color-scheme: dark)">'
+        f'<img src="{light}" alt="{html.escape(scene.title)}"></picture></p>'
+    )
+
+
+def _address(figure: Any) -> str:
+    """The figure as SVG in an address."""
+    file = io.BytesIO()
+    figure.savefig(file, format="svg", metadata={"Date": None})
+    return f"data:image/svg+xml;base64,{base64.b64encode(file.getvalue()).decode()}"
+
+
+def _table(result: SweepResult) -> str:
+    columns = result.to_columns("settings")
+    names = ["runs", "failed", *result.scores]
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in ["setting", *names])
+    rows = [
+        f"<tr><td>{html.escape(label(settings))}</td>"
+        + "".join(f"<td>{columns[name][k]:.4g}</td>" for name in names)
+        + "</tr>"
+        for k, settings in enumerate(result.grid)
+    ]
+    return f"<table><tr>{head}</tr>\n" + "\n".join(rows) + "\n</table>"

@@ -1,0 +1,7 @@
+//! Reductions over many runs, the same bits however the runs are cut into batches.
+
+pub mod batch;
+mod columns;
+pub mod consistency;
+pub mod histogram;
+pub mod tree;

@@ -1,0 +1,117 @@
+//! Who is matched with whom.
+//!
+//! The pairs of the least total of `min(d, c)^p`, without those at the cutoff or beyond, which cost
+//! what two points alone cost. Where several matchings cost the same, the one that SciPy's
+//! `linear_sum_assignment` finds in the matrix of these costs is taken: its order is known to
+//! users and is the same on every machine. The fast matching is used where it is the only one.
+
+use super::cutoff::Cutoff;
+use super::ospa::Workspace;
+use super::sets::Sets;
+use crate::assignment::{bottleneck, dense};
+use crate::error::Result;
+use pulp::Simd;
+
+/// A row and a column.
+pub type Pair = (usize, usize);
+
+/// The pairs closer than the cutoff in the matching of least total, in the order of the rows.
+#[inline(always)]
+pub(super) fn least_total<S: Simd>(
+    simd: S,
+    sets: impl Sets,
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+    pairs: &mut Vec<Pair>,
+) -> Result<()> {
+    pairs.clear();
+    let (m, n) = sets.sizes();
+    if m == 0 || n == 0 {
+        return Ok(());
+    }
+    if !cutoff.has_square() || !(1e-250..=1e250).contains(&cutoff.most()) {
+        return by_hand(sets, cutoff, work, pairs);
+    }
+    let (most, matching) = (cutoff.most(), &mut work.matching);
+    let is_flipped = m > n;
+    let wide = if is_flipped { sets.flipped() } else { sets };
+    matching.start(m.min(n), m.max(n));
+    wide.enter(simd, cutoff, matching);
+    matching.solve(simd, most);
+    if !matching.is_unique(m.max(n), most) {
+        return in_order(sets, cutoff, &mut work.exact, pairs);
+    }
+    pairs.extend(matching.pairs(most).map(|(i, j)| if is_flipped { (j, i) } else { (i, j) }));
+    if is_flipped {
+        pairs.sort_unstable();
+    }
+    Ok(())
+}
+
+/// The same by SciPy's order.
+#[cold]
+fn in_order(
+    sets: impl Sets,
+    cutoff: &Cutoff,
+    work: &mut dense::Workspace,
+    pairs: &mut Vec<Pair>,
+) -> Result<()> {
+    let costs = matrix(sets, |i, j| sets.cost(i, j, cutoff));
+    let (m, n) = sets.sizes();
+    keep_near(sets, cutoff, dense::solve(&costs, m, n, work)?, pairs);
+    Ok(())
+}
+
+/// The pairs closer than the cutoff in the matching whose largest distance is the smallest.
+pub(super) fn bottleneck(sets: impl Sets, cutoff: &Cutoff, pairs: &mut Vec<Pair>) -> Result<()> {
+    pairs.clear();
+    let distances = matrix(sets, |i, j| sets.distance(i, j).min(cutoff.c()).min(f64::MAX));
+    let (m, n) = sets.sizes();
+    if m > 0 && n > 0 {
+        let work = &mut bottleneck::Workspace::default();
+        keep_near(sets, cutoff, bottleneck::solve(&distances, m, n, work)?.1, pairs);
+    }
+    Ok(())
+}
+
+/// Where the cutoff is infinite, or powers leave the range of floats.
+#[cold]
+fn by_hand(
+    sets: impl Sets,
+    cutoff: &Cutoff,
+    work: &mut Workspace,
+    pairs: &mut Vec<Pair>,
+) -> Result<()> {
+    let (m, n) = sets.sizes();
+    let stays = |i, j| (0.0..=1e250).contains(&sets.cost(i, j, cutoff));
+    if cutoff.c() == f64::INFINITY && (0..m).all(|i| (0..n).all(|j| stays(i, j))) {
+        return in_order(sets, cutoff, &mut work.exact, pairs);
+    }
+    let costs = scaled_costs(sets, cutoff)?;
+    keep_near(sets, cutoff, dense::solve(&costs, m, n, &mut work.exact)?, pairs);
+    Ok(())
+}
+
+/// Costs in units of the bottleneck distance, or of the largest distance below the cutoff where
+/// the bottleneck is not: what is above the number of points is never chosen.
+fn scaled_costs(sets: impl Sets, cutoff: &Cutoff) -> Result<Vec<f64>> {
+    let (m, n) = sets.sizes();
+    let c = cutoff.c().min(f64::MAX);
+    let mut distances = matrix(sets, |i, j| sets.distance(i, j).min(c));
+    let bottleneck = bottleneck::solve(&distances, m, n, &mut Default::default())?.0;
+    let near = distances.iter().copied().filter(|d| *d < c);
+    let unit = if bottleneck < c { bottleneck } else { near.fold(0.0, f64::max) };
+    let ratio = |d: f64| (d / unit.max(f64::MIN_POSITIVE)).powf(cutoff.p());
+    distances.iter_mut().for_each(|d| *d = ratio(*d).min(2.0 * (m + n) as f64));
+    Ok(distances)
+}
+
+fn matrix(sets: impl Sets, value: impl Fn(usize, usize) -> f64 + Copy) -> Vec<f64> {
+    let (m, n) = sets.sizes();
+    (0..m).flat_map(|i| (0..n).map(move |j| value(i, j))).collect()
+}
+
+fn keep_near(sets: impl Sets, cutoff: &Cutoff, columns: &[usize], pairs: &mut Vec<Pair>) {
+    let matched = columns.iter().enumerate().filter(|(_, j)| **j != usize::MAX);
+    pairs.extend(matched.map(|(i, j)| (i, *j)).filter(|&(i, j)| sets.distance(i, j) < cutoff.c()));
+}
