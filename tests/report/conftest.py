@@ -172,7 +172,6 @@ def track_diagnosis(like, log, name, verdict):
     fails = verdict in ("late_divergence", "optimistic")
     return replace(
         like,
-    return TrackDiagnosis(
         track=name,
         verdict=verdict,
         nis=quantity("nis", verdict, times, cuts, scales, **moments),

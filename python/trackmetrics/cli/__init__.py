@@ -14,8 +14,6 @@ from trackmetrics._version import __version__
 
 COMMANDS: dict[str, str] = {
     "demo": "simulate, track and judge: three ships and their filter, or targets and their scores",
-    "diagnose": "say of each track of an estimator's log whether its filter is honest",
-    "demo": "simulate a small scene, track it and score the tracker",
     "diagnose": "say whether a filter is honest, since when, and which state fails",
     "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
     "sweep": "run a simulation many times over a grid of settings, and judge its filter",
