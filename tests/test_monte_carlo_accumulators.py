@@ -191,7 +191,7 @@ def test_innovations_that_were_not_measured_do_not_count():
 def test_kernel_and_twin_agree(d, steps, runs, seed, scale, innovations):
     rng = np.random.default_rng(seed)
     truth, estimates = rng.normal(size=(2, runs, steps, d)) * scale
-    root = rng.normal(size=(runs, steps, d, d)) + 3 * np.eye(d)
+    root = rng.normal(size=(runs, steps, d, d)) + 3 * np.sqrt(d) * np.eye(d)
     covariances = root @ root.swapaxes(-1, -2) * scale**2
     if innovations:
         estimates = None
