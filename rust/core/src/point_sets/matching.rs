@@ -82,10 +82,10 @@ impl Workspace {
             self.column_of_row.resize(rows, NONE);
             self.conflicts.resize(rows, NONE);
         }
-        self.column_dual.clear();
-        self.column_dual.resize(self.stride, 0.0);
-        self.row_of_column.clear();
-        self.row_of_column.resize(self.stride + 1, NONE);
+        if self.row_of_column.len() <= self.stride {
+            self.row_of_column.resize(self.stride + 1, NONE);
+        }
+        self.row_of_column[..=self.stride].fill(NONE);
     }
 
     /// Numbers in a row of costs, a multiple of the widest vector.
@@ -163,6 +163,8 @@ impl Workspace {
 
     #[inline(always)]
     fn resolve<S: Simd>(&mut self, simd: S, alone: f64, interrupt: &Interrupt<'_>) -> Result<()> {
+        self.column_dual.clear();
+        self.column_dual.resize(self.stride, 0.0);
         self.distance.resize(self.stride, 0.0);
         self.previous.resize(self.stride, 0);
         for k in 0..self.conflicting {

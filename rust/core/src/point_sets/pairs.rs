@@ -37,7 +37,9 @@ pub(super) fn least_total<S: Simd>(
     if !cutoff.has_square() || !(1e-250..=1e250).contains(&cutoff.most()) {
         return by_hand(sets, cutoff, work, pairs, interrupt);
     }
-    if let Some(large) = large::solve(sets, cutoff, interrupt)? {
+    if m.max(n) >= large::SMALLEST
+        && let Some(large) = large::solve(sets, cutoff, interrupt)?
+    {
         *pairs = large.pairs;
         pairs.sort_unstable();
         return Ok(());
