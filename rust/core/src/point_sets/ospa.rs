@@ -190,7 +190,7 @@ struct Assign<'a> {
 }
 
 impl WithSimd for Assign<'_> {
-    type Output = Result<()>;
+    type Output = Result<f64>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
