@@ -14,9 +14,10 @@
 use numpy::npyffi::{self, PyArrayObject};
 use numpy::{Element, PyUntypedArray};
 use pyo3::PyTypeInfo;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
+use pyo3::types::{PyFloat, PyInt, PyList, PyTuple, PyType};
 
 /// The element types that are read without NumPy's help.
 #[derive(Clone, Copy, PartialEq)]
@@ -296,3 +297,33 @@ impl<'a, 'py> Iterator for Items<'a, 'py> {
 }
 
 impl ExactSizeIterator for Items<'_, '_> {}
+
+/// A named tuple of floats: the class's own `__new__` takes longer than a small kernel.
+///
+/// `class` must be a subclass of `tuple` that adds nothing to an object's layout, as named tuples
+/// are; anything else is a `TypeError`.
+pub(crate) fn named_tuple<'py>(
+    class: &Bound<'py, PyType>,
+    values: [f64; 3],
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = class.py();
+    if !class.is_subclass_of::<PyTuple>()? {
+        return Err(PyTypeError::new_err("expected a named tuple"));
+    }
+    let class = class.as_type_ptr();
+    // SAFETY: `class` is a live type, checked to be a tuple's, and so has this slot; it makes an
+    // object of three empty places, which nobody else knows of yet. `PyTuple_SetItem` checks the
+    // object and the index, and takes over each float.
+    unsafe {
+        let slot = pyo3::ffi::PyType_GetSlot(class, pyo3::ffi::Py_tp_alloc);
+        let alloc = std::mem::transmute::<*mut std::ffi::c_void, pyo3::ffi::allocfunc>(slot);
+        let tuple = Bound::from_owned_ptr_or_err(py, alloc(class, values.len() as isize))?;
+        for (index, value) in values.into_iter().enumerate() {
+            let value = PyFloat::new(py, value).into_ptr();
+            if pyo3::ffi::PyTuple_SetItem(tuple.as_ptr(), index as isize, value) != 0 {
+                return Err(PyErr::fetch(py));
+            }
+        }
+        Ok(tuple)
+    }
+}

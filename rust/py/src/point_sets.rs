@@ -32,22 +32,22 @@ type GospaParts = (f64, f64, f64, f64, usize, usize);
 
 /// Runs a kernel with this thread's workspace, detached from the interpreter and open to signals
 /// where the smaller set has many coordinates.
+#[inline]
 fn run<T: Send>(
     py: Python<'_>,
     size: usize,
     kernel: impl FnOnce(&mut Workspace, &Interrupt<'_>) -> Result<T> + Send,
 ) -> PyResult<T> {
-    let compute = |interrupt: &Interrupt<'_>| {
+    if size < WORTH_DETACHING {
+        return WORK.with_borrow_mut(|work| kernel(work, &Interrupt::never())).map_err(raise);
+    }
+    // A signal handler may come back here while the kernel runs: it finds a workspace of its own.
+    detached(py, |interrupt| {
         let mut work = WORK.take();
         let result = kernel(&mut work, interrupt);
         WORK.set(work);
         result
-    };
-    if size < WORTH_DETACHING {
-        compute(&Interrupt::never()).map_err(raise)
-    } else {
-        detached(py, compute)
-    }
+    })
 }
 
 fn smaller(x: &PointSet, y: &PointSet) -> usize {

@@ -173,8 +173,7 @@ fn of_frame<S: Simd>(
     interrupt: &Interrupt<'_>,
 ) -> Result<Gospa> {
     let cutoff = &setting.cutoff;
-    pairs::least_total(simd, sets, cutoff, work, pairs, interrupt)?;
-    let localization = pairs.iter().map(|&(i, j)| sets.cost(i, j, cutoff)).sum::<f64>() + 0.0;
+    let localization = pairs::least_total(simd, sets, cutoff, work, pairs, interrupt)?;
     let (m, n) = sets.sizes();
     let (missed_count, false_count) = (m - pairs.len(), n - pairs.len());
     let parts = Gospa {

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::interrupt::Interrupt;
 
 /// Below this many points in the larger set the dense matching is sooner ready, measured.
-const SMALLEST: usize = 200;
+pub(super) const SMALLEST: usize = 200;
 
 /// A matching of least total.
 pub(super) struct Large {
@@ -32,9 +32,6 @@ pub(super) fn solve(
     interrupt: &Interrupt<'_>,
 ) -> Result<Option<Large>> {
     let (m, n) = sets.sizes();
-    if m.max(n) < SMALLEST {
-        return Ok(None);
-    }
     let dense = check_memory(m, n);
     let near = sets.near(cutoff).filter(|near| {
         dense.is_err() || near.expected(sets.dimension()) < m as f64 * most_neighbours(n)

@@ -44,7 +44,7 @@ pub(crate) struct Workspace {
     pub(super) row_of_column: Vec<u32>,
     /// The rows whose cheapest column was taken; so many of them.
     conflicts: Vec<u32>,
-    conflicting: usize,
+    pub(super) conflicting: usize,
     reached: Vec<Reached>,
     pub(super) graph: Graph,
 }
@@ -82,10 +82,10 @@ impl Workspace {
             self.column_of_row.resize(rows, NONE);
             self.conflicts.resize(rows, NONE);
         }
-        self.column_dual.clear();
-        self.column_dual.resize(self.stride, 0.0);
-        self.row_of_column.clear();
-        self.row_of_column.resize(self.stride + 1, NONE);
+        if self.row_of_column.len() <= self.stride {
+            self.row_of_column.resize(self.stride + 1, NONE);
+        }
+        self.row_of_column[..=self.stride].fill(NONE);
     }
 
     /// Numbers in a row of costs, a multiple of the widest vector.
@@ -148,12 +148,13 @@ impl Workspace {
         Ok(partners.map(|(i, &j)| self.cost(i, j, alone)).sum())
     }
 
-    /// The rows that are matched at less than the price of staying alone, with their columns, once
-    /// solved.
-    pub(super) fn pairs(&self, alone: f64) -> impl Iterator<Item = (usize, usize)> {
+    /// The rows that are matched at less than the price of staying alone, with their columns and
+    /// costs, once solved.
+    #[inline(always)]
+    pub(super) fn pairs(&self, alone: f64) -> impl Iterator<Item = (usize, usize, f64)> {
         let rows = self.column_of_row[..self.rows].iter().enumerate();
-        let matched = rows.filter(move |(i, j)| self.cost(*i, **j, alone) < alone);
-        matched.map(|(i, j)| (i, *j as usize))
+        rows.map(move |(i, &j)| (i, j as usize, self.cost(i, j, alone)))
+            .filter(move |(_, _, cost)| *cost < alone)
     }
 
     #[inline(always)]
@@ -163,6 +164,8 @@ impl Workspace {
 
     #[inline(always)]
     fn resolve<S: Simd>(&mut self, simd: S, alone: f64, interrupt: &Interrupt<'_>) -> Result<()> {
+        self.column_dual.clear();
+        self.column_dual.resize(self.stride, 0.0);
         self.distance.resize(self.stride, 0.0);
         self.previous.resize(self.stride, 0);
         for k in 0..self.conflicting {

@@ -18,7 +18,7 @@
 //! Cost: O(m n) where no two points want the same partner, O(m^2 n) at worst.
 
 use super::cutoff::Cutoff;
-use super::large::{self, Large};
+use super::large;
 use super::pairs::{self, Pair};
 use super::sets::{Distances, Euclidean, Sets};
 use super::{extreme, matching, tiny};
@@ -190,7 +190,7 @@ struct Assign<'a> {
 }
 
 impl WithSimd for Assign<'_> {
-    type Output = Result<()>;
+    type Output = Result<f64>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
@@ -243,27 +243,37 @@ fn of_frame<S: Simd>(
     if cutoff.p() == f64::INFINITY || !cutoff.has_square() {
         return extreme::ospa(sets, cutoff, interrupt);
     }
-    let large = large::solve(sets, cutoff, interrupt)?;
-    let total = match &large {
-        Some(large) => large.total,
-        None => least_total(simd, sets, cutoff, &mut work.matching, interrupt)?,
-    };
+    if n >= large::SMALLEST
+        && let Some(result) = of_large_frame(sets, cutoff, interrupt)?
+    {
+        return Ok(result);
+    }
+    let total = least_total(simd, sets, cutoff, &mut work.matching, interrupt)?;
     let result = from_total(total, m, n, cutoff);
     let is_exact =
-        total_is_exact(total, result.localization) || (total == 0.0 && zero(sets, cutoff, &large));
+        total_is_exact(total, result.localization) || (total == 0.0 && sets.zero_is_exact(cutoff));
     if is_exact && (m == n || missing_is_exact(cutoff)) {
         return Ok(result);
     }
     extreme::ospa(sets, cutoff, interrupt)
 }
 
-/// Whether a total of zero is owed to equal points.
+/// The same by near pairs; `None` where the dense matching is the better way.
 #[cold]
-fn zero(sets: impl Sets, cutoff: &Cutoff, large: &Option<Large>) -> bool {
-    match large {
-        Some(large) => large.pairs.iter().all(|&(i, j)| sets.distance(i, j) == 0.0),
-        None => sets.zero_is_exact(cutoff),
-    }
+fn of_large_frame(
+    sets: impl Sets,
+    cutoff: &Cutoff,
+    interrupt: &Interrupt<'_>,
+) -> Result<Option<Ospa>> {
+    let Some(large) = large::solve(sets, cutoff, interrupt)? else {
+        return Ok(None);
+    };
+    let (m, n) = sets.sizes();
+    let result = from_total(large.total, m, n, cutoff);
+    let is_zero = || large.pairs.iter().all(|&(i, j)| sets.distance(i, j) == 0.0);
+    let is_exact =
+        total_is_exact(large.total, result.localization) || (large.total == 0.0 && is_zero());
+    Ok((is_exact && (m == n || missing_is_exact(cutoff))).then_some(result))
 }
 
 /// The least total cost of matching every row with a column; not more rows than columns.

@@ -19,7 +19,8 @@ use pulp::Simd;
 /// A row and a column.
 pub type Pair = (usize, usize);
 
-/// The pairs closer than the cutoff in the matching of least total, in the order of the rows.
+/// The pairs closer than the cutoff in the matching of least total, in the order of the rows, and
+/// the sum of their costs.
 #[inline(always)]
 pub(super) fn least_total<S: Simd>(
     simd: S,
@@ -28,34 +29,51 @@ pub(super) fn least_total<S: Simd>(
     work: &mut Workspace,
     pairs: &mut Vec<Pair>,
     interrupt: &Interrupt<'_>,
-) -> Result<()> {
+) -> Result<f64> {
     pairs.clear();
     let (m, n) = sets.sizes();
     if m == 0 || n == 0 {
-        return Ok(());
+        return Ok(0.0);
     }
-    if !cutoff.has_square() || !(1e-250..=1e250).contains(&cutoff.most()) {
-        return by_hand(sets, cutoff, work, pairs, interrupt);
+    if !has_powers(cutoff) {
+        by_hand(sets, cutoff, work, pairs, interrupt)?;
+        return Ok(sum(sets, cutoff, pairs));
     }
-    if let Some(large) = large::solve(sets, cutoff, interrupt)? {
+    if m.max(n) >= large::SMALLEST
+        && let Some(large) = large::solve(sets, cutoff, interrupt)?
+    {
         *pairs = large.pairs;
         pairs.sort_unstable();
-        return Ok(());
+        return Ok(sum(sets, cutoff, pairs));
     }
-    let (most, matching) = (cutoff.most(), &mut work.matching);
-    let is_flipped = m > n;
+    let (most, matching, is_flipped) = (cutoff.most(), &mut work.matching, m > n);
     let wide = if is_flipped { sets.flipped() } else { sets };
     matching.start(m.min(n), m.max(n));
     wide.enter(simd, cutoff, matching);
     matching.solve(simd, most, interrupt)?;
-    if !matching.is_unique(m.max(n), most) {
-        return in_order(sets, cutoff, &mut work.exact, pairs, interrupt);
+    if !matching.is_unique(simd, most) {
+        in_order(sets, cutoff, &mut work.exact, pairs, interrupt)?;
+        return Ok(sum(sets, cutoff, pairs));
     }
-    pairs.extend(matching.pairs(most).map(|(i, j)| if is_flipped { (j, i) } else { (i, j) }));
+    let mut total = 0.0;
+    for (i, j, cost) in matching.pairs(most) {
+        total += cost;
+        pairs.push(if is_flipped { (j, i) } else { (i, j) });
+    }
     if is_flipped {
         pairs.sort_unstable();
     }
-    Ok(())
+    Ok(total)
+}
+
+/// Whether squares and powers of distances stay in the range of floats.
+#[inline(always)]
+fn has_powers(cutoff: &Cutoff) -> bool {
+    cutoff.has_square() && (1e-250..=1e250).contains(&cutoff.most())
+}
+
+fn sum(sets: impl Sets, cutoff: &Cutoff, pairs: &[Pair]) -> f64 {
+    pairs.iter().fold(0.0, |total, &(i, j)| total + sets.cost(i, j, cutoff))
 }
 
 /// The same by SciPy's order.

@@ -62,13 +62,30 @@ impl<S: Simd> Lowest<S> {
 /// Writes the points of a set axis by axis.
 #[inline(always)]
 pub(super) fn lay_out(points: Points, axes: &mut Vec<f64>) {
-    let (n, d) = (points.len(), points.dimension());
-    let stride = n.next_multiple_of(PADDING);
-    axes.resize(d * stride, 0.0);
-    for (k, axis) in axes.chunks_exact_mut(stride).enumerate() {
-        let values = points.coordinates().iter().skip(k).step_by(d);
-        axis.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
-        axis[n..].fill(f64::INFINITY);
+    let stride = points.len().next_multiple_of(PADDING);
+    axes.resize(points.dimension() * stride, 0.0);
+    match points.dimension() {
+        1 => lay_out_axes::<1>(points, stride, axes),
+        2 => lay_out_axes::<2>(points, stride, axes),
+        3 => lay_out_axes::<3>(points, stride, axes),
+        4 => lay_out_axes::<4>(points, stride, axes),
+        d => {
+            for (k, axis) in axes.chunks_exact_mut(stride).enumerate() {
+                let values = points.coordinates().iter().skip(k).step_by(d);
+                axis.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
+                axis[points.len()..].fill(f64::INFINITY);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn lay_out_axes<const D: usize>(points: Points, stride: usize, axes: &mut [f64]) {
+    let points = points.coordinates().as_chunks::<D>().0;
+    for (k, axis) in axes.chunks_exact_mut(stride).enumerate().take(D) {
+        let (values, padding) = axis.split_at_mut(points.len());
+        values.iter_mut().zip(points).for_each(|(to, point)| *to = point[k]);
+        padding.fill(f64::INFINITY);
     }
 }
 

@@ -11,6 +11,7 @@
 //! pairs.
 
 use super::matching::{ALONE, NONE, Workspace};
+use pulp::Simd;
 
 /// Relative to the largest cost: what rounding can hide.
 const TOLERANCE: f64 = 1e-12;
@@ -18,6 +19,8 @@ const TOLERANCE: f64 = 1e-12;
 /// The edges of the graph, and how many of them lead to each row and to the outside.
 #[derive(Debug, Default)]
 pub(super) struct Graph {
+    /// The rows that have an edge: without one there is no way round.
+    rows: Vec<u32>,
     edges: Vec<[u32; 2]>,
     into: Vec<u32>,
     /// What has no edge into it any more.
@@ -25,67 +28,106 @@ pub(super) struct Graph {
 }
 
 impl Workspace {
-    /// Whether no other matching of `columns` columns costs as little, `alone` being finite.
+    /// Whether no other matching costs as little, `alone` being finite.
     #[inline(always)]
-    pub(super) fn is_unique(&mut self, columns: usize, alone: f64) -> bool {
-        let mut graph = std::mem::take(&mut self.graph);
-        graph.edges.clear();
+    pub(super) fn is_unique<S: Simd>(&mut self, simd: S, alone: f64) -> bool {
+        let (has_duals, mut graph) = (self.conflicting > 0, std::mem::take(&mut self.graph));
+        graph.rows.clear();
         for row in 0..self.rows {
-            self.add_edges(row, columns, alone, &mut graph);
+            if self.is_doubtful(simd, row, alone, has_duals) {
+                graph.rows.push(row as u32);
+            }
         }
-        let is_unique = graph.edges.is_empty() || self.has_no_cycle(alone, &mut graph);
+        let is_unique = graph.rows.is_empty() || self.has_no_other(alone, &mut graph);
         self.graph = graph;
         is_unique
     }
 
+    /// Whether a row could do as well with a column that it does not have, or alone.
     #[inline(always)]
-    fn add_edges(&self, row: usize, columns: usize, alone: f64, graph: &mut Graph) {
+    fn is_doubtful<S: Simd>(&self, simd: S, row: usize, alone: f64, has_duals: bool) -> bool {
+        let reach = self.row_dual[row] + TOLERANCE * alone;
+        let is_alone = self.column_of_row[row] == ALONE;
+        if !is_alone && reach >= alone {
+            return true;
+        }
+        let costs = S::as_simd_f64s(&self.costs[row * self.stride..(row + 1) * self.stride]).0;
+        let (limit, reach) = (simd.splat_f64s(alone), simd.splat_f64s(reach));
+        let (none, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let mut tight = none;
+        if has_duals {
+            let duals = S::as_simd_f64s(&self.column_dual[..self.stride]).0;
+            for (&cost, &dual) in costs.iter().zip(duals) {
+                let is_near = simd.less_than_f64s(cost, limit);
+                let reduced = simd.sub_f64s(cost, dual);
+                let is_tight = simd.less_than_or_equal_f64s(reduced, reach);
+                let count = simd.select_f64s(is_tight, one, none);
+                tight = simd.add_f64s(tight, simd.select_f64s(is_near, count, none));
+            }
+        } else if !is_alone {
+            // What is within reach is nearer than the cutoff.
+            for &cost in costs {
+                let is_tight = simd.less_than_or_equal_f64s(cost, reach);
+                tight = simd.add_f64s(tight, simd.select_f64s(is_tight, one, none));
+            }
+        } else {
+            return false;
+        }
+        simd.reduce_sum_f64s(tight) != f64::from(u8::from(!is_alone))
+    }
+
+    fn has_no_other(&mut self, alone: f64, graph: &mut Graph) -> bool {
+        if self.conflicting == 0 {
+            self.column_dual.clear();
+            self.column_dual.resize(self.stride, 0.0);
+        }
+        graph.edges.clear();
+        for k in 0..graph.rows.len() {
+            self.add_edges(graph.rows[k] as usize, alone, graph);
+        }
+        graph.has_no_cycle(self.rows + 1)
+    }
+
+    fn add_edges(&self, row: usize, alone: f64, graph: &mut Graph) {
         let (own, outside) = (self.column_of_row[row], self.rows as u32);
         let reach = self.row_dual[row] + TOLERANCE * alone;
         if own != ALONE && reach >= alone {
             graph.edges.push([row as u32, outside]);
         }
-        let costs = &self.costs[row * self.stride..row * self.stride + columns];
-        let duals = &self.column_dual[..columns];
-        let is_tight = |cost: f64, dual: f64| (cost < alone) & (cost - dual <= reach);
-        let tight = costs.iter().zip(duals).map(|(c, v)| u32::from(is_tight(*c, *v))).sum::<u32>();
-        if tight == u32::from(own != ALONE) {
-            return;
+        if own == ALONE || self.column_dual[own as usize] >= -TOLERANCE * alone {
+            graph.edges.push([outside, row as u32]);
         }
-        for (j, (cost, dual)) in costs.iter().zip(duals).enumerate() {
-            if j as u32 != own && is_tight(*cost, *dual) {
+        let costs = &self.costs[row * self.stride..(row + 1) * self.stride];
+        for (j, (&cost, &dual)) in costs.iter().zip(&self.column_dual).enumerate() {
+            if j as u32 != own && cost < alone && cost - dual <= reach {
                 let owner = self.row_of_column[j];
                 graph.edges.push([row as u32, if owner == NONE { outside } else { owner }]);
             }
         }
     }
+}
 
-    /// Takes away what no edge leads to, until nothing is left or a cycle.
-    fn has_no_cycle(&self, alone: f64, graph: &mut Graph) -> bool {
-        let outside = self.rows as u32;
-        let free = -TOLERANCE * alone;
-        for (row, &column) in self.column_of_row[..self.rows].iter().enumerate() {
-            if column == ALONE || self.column_dual[column as usize] >= free {
-                graph.edges.push([outside, row as u32]);
-            }
-        }
-        graph.edges.sort_unstable();
-        graph.into.clear();
-        graph.into.resize(self.rows + 1, 0);
-        graph.edges.iter().for_each(|edge| graph.into[edge[1] as usize] += 1);
-        graph.loose.clear();
-        graph.loose.extend((0..=outside).filter(|&node| graph.into[node as usize] == 0));
+impl Graph {
+    /// Takes away what no edge leads to, with its edges, until none is left or a cycle.
+    fn has_no_cycle(&mut self, nodes: usize) -> bool {
+        self.edges.sort_unstable();
+        self.into.clear();
+        self.into.resize(nodes, 0);
+        self.edges.iter().for_each(|edge| self.into[edge[1] as usize] += 1);
+        self.loose.clear();
+        let sources = self.rows.iter().copied().chain([nodes as u32 - 1]);
+        self.loose.extend(sources.filter(|&node| self.into[node as usize] == 0));
         let mut gone = 0;
-        while let Some(node) = graph.loose.pop() {
-            gone += 1;
-            let first = graph.edges.partition_point(|edge| edge[0] < node);
-            for edge in graph.edges[first..].iter().take_while(|edge| edge[0] == node) {
-                graph.into[edge[1] as usize] -= 1;
-                if graph.into[edge[1] as usize] == 0 {
-                    graph.loose.push(edge[1]);
+        while let Some(node) = self.loose.pop() {
+            let first = self.edges.partition_point(|edge| edge[0] < node);
+            for edge in self.edges[first..].iter().take_while(|edge| edge[0] == node) {
+                gone += 1;
+                self.into[edge[1] as usize] -= 1;
+                if self.into[edge[1] as usize] == 0 {
+                    self.loose.push(edge[1]);
                 }
             }
         }
-        gone == self.rows + 1
+        gone == self.edges.len()
     }
 }
