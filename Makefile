@@ -63,12 +63,12 @@ $(VENV)/tools: pyproject.toml
 	$(PY) $(PIP_INSTALL) 'maturin>=1.9.4,<2'
 	touch $@
 
-# The release wheel as a user gets it.
+# The release wheel as a user gets it, with what the page of the demo is made with.
 $(VENV)/wheel: $(VENV)/tools $(WHEEL_INPUTS)
 	rm -rf dist
 	$(VENV)/bin/maturin build --release --locked --out dist
 	$(PY) $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
-	$(PY) $(PIP_INSTALL) dist/*.whl
+	$(PY) $(PIP_INSTALL) "$$(echo dist/*.whl)[report]"
 	touch $@
 
 # And the extras that tests and lints need.

@@ -3,11 +3,10 @@
 import inspect
 from importlib import import_module
 
+import pytcl.performance_evaluation as pytcl
 import pytest
 
 import trackmetrics
-
-pytcl = pytest.importorskip("pytcl.performance_evaluation")
 
 ROOMS = ["track_metrics", "estimation_metrics", "mospa"]
 

@@ -14,7 +14,9 @@ from trackmetrics import _native, _numpy
 from trackmetrics.monte_carlo import (
     ConsistencyAccumulator,
     LabelAccumulator,
+    PointSetAccumulator,
     ScoreAccumulator,
+    sweep,
 )
 from trackmetrics.monte_carlo.histogram import edges
 from trackmetrics.monte_carlo.packing import MAGIC
@@ -380,6 +382,82 @@ def test_wrong_counts_are_named():
         labels.update({"hits": [3]}, 2)
     with pytest.raises(ValueError, match="no count 'truth', there are misses"):
         _ = labels.result().ratio("misses", "truth")
+
+
+def point_batch(runs, steps=4, seed=2):
+    """Sets of up to three points in the plane, and of reports about them."""
+    rng = np.random.default_rng(seed)
+    sets = {
+        name: [
+            [rng.normal(size=(rng.integers(0, 4), 2)) for _ in range(steps)] for _ in range(runs)
+        ]
+        for name in ("truth", "estimates")
+    }
+    return sets
+
+
+POINTS = point_batch(30)
+
+
+@given(st.sets(st.integers(1, 29)), st.randoms())
+@settings(max_examples=20)
+def test_point_sets_have_the_same_bits_however_they_come(cuts, random):
+    whole = PointSetAccumulator(c=2.0)
+    whole.update(POINTS, 3)
+    pieces = list(pairwise(sorted({0, 30, *cuts})))
+    random.shuffle(pieces)
+    points = PointSetAccumulator(c=2.0)
+    for a, b in pieces:
+        points.update(part(POINTS, a, b), 3 + a)
+    assert points.to_bytes() == whole.to_bytes()
+    assert PointSetAccumulator.from_bytes(points.to_bytes()).to_bytes() == whole.to_bytes()
+
+
+@pytest.mark.parametrize("p", [1.0, 2.0])
+def test_point_set_statistics_are_their_definitions(p):
+    points = PointSetAccumulator(c=2.0, p=p)
+    points.update(POINTS, 0)
+    result = points.result()
+    pairs = [list(zip(*run, strict=True)) for run in zip(*POINTS.values(), strict=True)]
+    ospa = np.array([[trackmetrics.ospa(x, y, 2.0, p).ospa for x, y in run] for run in pairs])
+    gospa = [[trackmetrics.gospa(x, y, 2.0, p) for x, y in run] for run in pairs]
+    assert result.ospa == pytest.approx(ospa.mean(0))
+    assert result.ospa_deviation == pytest.approx(ospa.std(0, ddof=1))
+    for name in ("localization", "missed", "false"):
+        values = np.array([[getattr(one, name) for one in run] for run in gospa])
+        assert getattr(result, name) == pytest.approx(values.mean(0))
+    distances = np.array([[one.distance for one in run] for run in gospa])
+    assert result.gospa == pytest.approx(distances.mean(0))
+    assert result.gospa_deviation == pytest.approx(distances.std(0, ddof=1))
+    ranks = np.quantile(distances, 0.5, axis=0, method="inverted_cdf")
+    assert result.gospa_quantiles([0.5])[0] == pytest.approx(ranks, rel=0.13, abs=1e-6)
+    assert result.ospa_quantiles([0.1, 0.9]).shape == (2, 4)
+
+
+def test_wrong_point_sets_are_named():
+    with pytest.raises(ValueError, match="c must be positive and finite, got -1"):
+        PointSetAccumulator(c=-1)
+    with pytest.raises(ValueError, match=r"p must be at least 1 and finite, got 0\.5"):
+        PointSetAccumulator(c=1, p=0.5)
+    points = PointSetAccumulator(c=1)
+    with pytest.raises(ValueError, match="estimates has 2 runs, truth has 3"):
+        points.update({"truth": [[]] * 3, "estimates": [[]] * 2}, 0)
+    with pytest.raises(ValueError, match=r"estimates\[1\] has 1 steps, truth\[0\] has 2"):
+        points.update({"truth": [[[], []]] * 2, "estimates": [[[], []], [[]]]}, 0)
+    points.update(part(POINTS, 0, 2), 0)
+    with pytest.raises(ValueError, match=r"the runs 1\.\.2 are in already"):
+        points.update(part(POINTS, 0, 2), 1)
+
+
+def test_a_sweep_merges_the_point_sets_of_its_runs():
+    def simulate(rng):
+        points = PointSetAccumulator(c=2.0)
+        points.update(point_batch(1, seed=rng.integers(1 << 30)), 0)
+        return {"points": points}
+
+    result = sweep(simulate, 12, seed=1, progress=False)
+    assert result["points"][0].runs == 12
+    assert sweep(simulate, 12, seed=1, chunk=5, progress=False).to_bytes() == result.to_bytes()
 
 
 def test_nodes_stay_few():

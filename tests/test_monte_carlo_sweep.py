@@ -430,12 +430,13 @@ def test_workers_bound_what_is_in_flight():
 
 
 def test_dask_gives_the_same_bytes_though_a_worker_dies(tmp_path):
-    distributed = pytest.importorskip("distributed", reason="the extra `dask` is not installed")
+    import distributed
+
     arguments = {"seed": 7, "grid": {"folder": [str(tmp_path)], "pid": [os.getpid()]}}
     expected = sweep(cases.once_deadly, 100, progress=False, **arguments)
     with (
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0",
         ) as cluster,
         distributed.Client(cluster) as client,
     ):  # fmt: skip

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from trackmetrics import report
 from trackmetrics.diagnostics import (
     VERDICTS,
     Bias,
@@ -213,6 +214,12 @@ def fleet():
     """A log of a hundred tracks of 200 updates and its diagnosis."""
     log = synthetic_log(100, 200)
     return log, made_up(log)
+
+
+@pytest.fixture(scope="session")
+def fleet_page(fleet):
+    """Its page."""
+    return report.page(fleet[1], fleet[0])
 
 
 @pytest.fixture

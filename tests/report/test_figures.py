@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trackmetrics import report
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog
+from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.marks import Points
 from trackmetrics.report.sheet import track_scene
@@ -139,6 +139,10 @@ def test_the_overview_is_sorted_by_severity(small, backend):
     assert ticks == names
     assert list(heights) == [-0.0, -1.0, -2.0, -3.0]
     assert "▲ late divergence" in words_of(figure, backend)
+    if backend == "plotly":  # which hides words beyond the axis, unless they stand in its domain
+        beside = [a for a in figure.layout.annotations if a.xref == "x domain"]
+        assert len(beside) == 4
+        assert all(a.x > 1 for a in beside)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -172,3 +176,24 @@ def test_plotly_figures_hold_colours_and_no_roles(small):
     roles = set(re.findall(r'"@([a-z0-9-]+)', str(draw_plotly.figure(scene)).replace("'", '"')))
     assert roles <= set(theme.LIGHT.colours)
     assert theme.LIGHT.colours.keys() == theme.DARK.colours.keys()
+
+
+def test_names_are_shown_as_they_are():
+    name = "<b>a & b</b> %{x}"
+    log = EstimatorLog.from_columns(track=[name] * 9, nis=[1.0, 2.0, 3.0] * 3, nis_dof=2)
+    figure = report.overview_figure(diagnose(log), log, backend="plotly")
+    assert list(figure.layout.yaxis.ticktext) == ["&lt;b&gt;a &amp; b&lt;/b&gt; %&#123;x}"]
+    assert "<b>a" not in report.page(diagnose(log), log)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_names_are_neither_roles_nor_formulas(backend):
+    for name in ("@ship", "$x_{", "a_b$c$"):
+        log = EstimatorLog.from_columns(track=[name] * 9, nis=[1.0, 2.0, 3.0] * 3, nis_dof=2)
+        diagnosis = diagnose(log)
+        for figure in (
+            report.track_figure(diagnosis, log, name, backend=backend),
+            report.comparison_figure(diagnosis, log, backend=backend),
+        ):
+            if backend == "matplotlib":
+                figure.canvas.draw()

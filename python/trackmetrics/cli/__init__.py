@@ -14,7 +14,7 @@ from trackmetrics._version import __version__
 
 COMMANDS: dict[str, str] = {
     "demo": "simulate, track and judge: three ships and their filter, or targets and their scores",
-    "diagnose": "say of each track of an estimator's log whether its filter is honest",
+    "diagnose": "say whether a filter is honest, since when, and which state fails",
     "score": "score the boxes of a tracker against the truth (MOTChallenge files)",
     "sweep": "run a simulation many times over a grid of settings, and judge its filter",
     "vessel": "run the vessel estimator over a recording of AIS, and diagnose it",

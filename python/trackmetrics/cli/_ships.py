@@ -20,6 +20,16 @@ def run(arguments: argparse.Namespace) -> int:
         f"simulated, tracked and diagnosed in {seconds:.2f} s\n"
     )
     print_verdicts(diagnosis)
-    if arguments.html:
-        write_html(arguments.html, diagnosis, log, "Three ships")
+    page = arguments.html
+    if page is None and not _can_write_pages():
+        print("\nno page: it needs the extra report (pip install 'trackmetrics[report]')")
+    elif page != "":
+        write_html(page or "demo.html", diagnosis, log, "Three ships")
     return 0
+
+
+def _can_write_pages() -> bool:
+    """Whether what the page is made with is installed."""
+    from importlib.util import find_spec
+
+    return all(find_spec(name) for name in ("jinja2", "plotly", "matplotlib"))

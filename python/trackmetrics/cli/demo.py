@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", choices=["ships", "targets"], default="ships")
     ships = parser.add_argument_group("ships")
     ships.add_argument("--noise", choices=["honest", "article"], default="honest")
-    ships.add_argument("--html", default="demo.html", help="the page (demo.html); '' for none")
+    ships.add_argument("--html", help="the page (demo.html); '' for none")
     targets = parser.add_argument_group("targets")
     targets.add_argument("--runs", type=int, default=20, help="Monte Carlo runs (20)")
     targets.add_argument("--targets", type=int, default=10, help="targets in each run (10)")

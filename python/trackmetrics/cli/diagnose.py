@@ -1,94 +1,104 @@
-"""``trackmetrics diagnose LOG``: is each track's filter honest, since when, and which state?"""
+"""``trackmetrics diagnose LOG``: is the filter honest, since when, and which state?"""
 
 import argparse
 import json
-from collections.abc import Sequence
+from pathlib import Path
 
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, TrackDiagnosis, diagnose, read_log
+from trackmetrics.diagnostics import Diagnosis, TrackDiagnosis, diagnose, read_log
 
 _EXPLANATION = """
-Reads the log of an estimator (.jsonl, .csv or .parquet: one row per update) and prints the verdict
-of each track, the most severe first, with one paragraph each.
+Reads the log of an estimator (.jsonl, .csv or .parquet; one row per update) and says for every
+track whether its covariance is honest, from when to when, and which state fails. The NIS with its
+degrees of freedom is enough; with innovations, covariances and truth there is more to say.
+
+With --check the exit status is 1 where a track is not consistent, so that the test of a filter can
+fail on it.
 """
-_HEAD = ("track", "verdict", "NIS", "NEES", "weakest state", "updates")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Says what the command takes."""
     parser.description = _EXPLANATION
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("log", metavar="LOG", help="the log: .jsonl, .csv or .parquet")
-    parser.add_argument("--html", metavar="FILE", help="also write a page with all figures")
-    parser.add_argument("--title", default=None, help="heading of that page (default: the file)")
-    parser.add_argument("--format", choices=["table", "json"], default="table")
-    parser.add_argument(
-        "--check", action="store_true", help="exit status 1 where a track is not consistent"
-    )
+    parser.add_argument("log", metavar="LOG", help="log of an estimator")
     parser.add_argument(
         "--column",
         action="append",
         default=[],
-        metavar="NAME=SOURCE",
-        help="a column that the file names otherwise: nis_dof=df, std=s_x,s_y; may be repeated",
+        metavar="NAME=COLUMN[,COLUMN...]",
+        help="the file's name of a column, or the columns of a vector; may be repeated",
     )
-    parser.add_argument("--states", metavar="NAMES", help="names of the states: lat,lon,sog")
-    parser.add_argument("--state-dim", type=int, help="how many states, where no column tells")
+    parser.add_argument("--states", metavar="NAME,NAME,...", help="names of the states")
+    parser.add_argument(
+        "--angle",
+        action="append",
+        default=[],
+        metavar="STATE=PERIOD",
+        help="a state that is an angle, with its period; may be repeated",
+    )
+    parser.add_argument("--html", metavar="FILE", help="write a page to look at")
+    parser.add_argument("--format", choices=["table", "json"], default="table")
+    parser.add_argument("--check", action="store_true", help="exit with 1 unless all is consistent")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints the diagnosis."""
     log = read_log(
         arguments.log,
-        columns=_renaming(arguments.column),
+        columns={name: _names(value) for name, value in map(_pair, arguments.column)} or None,
         states=arguments.states.split(",") if arguments.states else None,
-        state_dim=arguments.state_dim,
+        angles={name: float(period) for name, period in map(_pair, arguments.angle)} or None,
     )
-    diagnosis = diagnose(log)
+    found = diagnose(log)
     if arguments.html:
-        _write_html(arguments, diagnosis, log)
+        from trackmetrics.report import page
+
+        Path(arguments.html).write_text(page(found, log), encoding="utf-8")
     if arguments.format == "json":
-        print(json.dumps(_finite(diagnosis.to_dict()), indent=2, allow_nan=False))
+        print(json.dumps(_without_nan(found.to_dict()), indent=2))
     else:
-        print(f"{_table(diagnosis.by_severity())}\n\n{diagnosis.text}")
-    return 1 if arguments.check and not diagnosis.consistent else 0
+        print(table(found))
+    return 1 if arguments.check and not found.consistent else 0
 
 
-def _write_html(arguments: argparse.Namespace, diagnosis: Diagnosis, log: EstimatorLog) -> None:
-    from trackmetrics.report import write_page
-
-    write_page(arguments.html, diagnosis, log, title=arguments.title or str(arguments.log))
-
-
-def _renaming(columns: Sequence[str]) -> dict[str, str | list[str]]:
-    """``nis_dof=df`` and ``std=s_x,s_y`` as :func:`read_log` takes them."""
-    renaming: dict[str, str | list[str]] = {}
-    for column in columns:
-        name, equals, source = column.partition("=")
-        if not (name and equals and source):
-            raise ValueError(f"--column must be NAME=SOURCE, got {column!r}")
-        renaming[name] = source.split(",") if "," in source else source
-    return renaming
-
-
-def _table(tracks: Sequence[TrackDiagnosis]) -> str:
-    rows = [_HEAD, *(_row(track) for track in tracks)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(_HEAD))]
+def table(found: Diagnosis) -> str:
+    """A line a track, the most severe first, then a paragraph each."""
+    head = ["track", "verdict", "NIS", "NEES", "updates", "since", "weakest state"]
+    rows = [head, *(_row(track) for track in found.by_severity())]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
     lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) for row in rows]
-    return "\n".join(line.rstrip() for line in lines)
+    return "\n".join([*(line.rstrip() for line in lines), "", found.text])
 
 
-def _row(track: TrackDiagnosis) -> tuple[str, ...]:
-    nees = "-" if track.nees is None else track.nees.verdict
-    weakest = track.weakest_state or "-"
-    return (track.track, track.verdict, track.nis.verdict, nees, weakest, str(track.updates))
+def _row(track: TrackDiagnosis) -> list[str]:
+    quantities = [q for q in (track.nis, track.nees) if q is not None]
+    onsets = [q.onset_time for q in quantities if q.onset_time is not None]
+    return [
+        track.track,
+        track.verdict,
+        track.nis.verdict,
+        "-" if track.nees is None else track.nees.verdict,
+        str(track.updates),
+        f"{min(onsets):g} {track.time_unit}" if onsets else "-",
+        track.weakest_state or "-",
+    ]
 
 
-def _finite(value: object) -> object:
-    """The same with null for NaN and infinity, which JSON does not have."""
+def _pair(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise ValueError(f"expected NAME=VALUE, got {text!r}")
+    return name, value
+
+
+def _names(value: str) -> str | list[str]:
+    return value.split(",") if "," in value else value
+
+
+def _without_nan(value: object) -> object:
+    """NaN as null: JSON has no NaN."""
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: _without_nan(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and value - value != 0:
-        return None
-    return value
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and value != value else value

@@ -159,6 +159,8 @@ def indices(name: str, values: Any, rows: int, states: Mapping[str, int]) -> Int
     """The states that each row observes, by name or index, padded with -1."""
     if isinstance(values, Mapping):
         raise TypeError(f"{name} must hold one list of states a row")
+    if _are_indices(values, rows, max(len(states), 1)):
+        return np.array(values, np.int64)
     listed = [() if _missing(v) else v for v in values]
     if len(listed) != rows:
         raise ValueError(f"{name} has {len(listed)} rows, the log has {rows}")
@@ -167,6 +169,13 @@ def indices(name: str, values: Any, rows: int, states: Mapping[str, int]) -> Int
     for i, part in enumerate(found):
         column[i, : len(part)] = part
     return column
+
+
+def _are_indices(values: Any, rows: int, states: int) -> bool:
+    """Whether a column is a whole array of indices: no element needs a look by itself."""
+    if not isinstance(values, np.ndarray) or values.ndim != 2 or values.dtype.kind != "i":
+        return False
+    return len(values) == rows and bool(((values >= -1) & (values < states)).all())
 
 
 def state_index(name: str, state: Any, states: Mapping[str, int]) -> int:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from trackmetrics.diagnostics import chisquare
+from trackmetrics import _chi2
 from trackmetrics.diagnostics.columns import Floats
 from trackmetrics.diagnostics.series import LEAST_SEGMENT, MATERIAL, Stretch, Trace
 
@@ -105,7 +105,7 @@ def _too_large(stretches: tuple[Stretch, ...]) -> bool:
 
 
 def _exceeds(total: float, dof: float) -> bool:
-    return total > MATERIAL * dof and bool(chisquare.upper_tail(total, dof) < DOUBTFUL)
+    return total > MATERIAL * dof and bool(_chi2.sf(total, dof) < DOUBTFUL)
 
 
 def _high_before(stretches: tuple[Stretch, ...], n: int) -> Word:
@@ -157,6 +157,6 @@ def _recovered(trace: Trace, word: Word) -> Word:
     values, dof = trace.kept_values()
     length = len(values) - word.onset
     end = max(2, min(5, length // 3))
-    if length > end and chisquare.upper_tail(values[-end:].sum(), dof[-end:].sum()) > 0.05:
+    if length > end and _chi2.sf(values[-end:].sum(), dof[-end:].sum()) > 0.05:
         return Word("transient", onset=word.onset, by_end=word.by_end)
     return word

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.diagnostics import chisquare
+from trackmetrics import _chi2
+from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.checking import unit_diagonal
 from trackmetrics.diagnostics.columns import Floats, Words, lengths
 
@@ -94,7 +95,7 @@ def offsets(innovations: Innovations, memory: float = 1.0) -> list[Offset]:
             found += _offsets_of(str(kind), innovations.values[rows, :m], s, memory)
     if not found:
         return []
-    corrected = chisquare.holm(np.array([o.p_value for o in found]))
+    corrected = laws.holm(np.array([o.p_value for o in found]))
     return [
         Offset(o.type, o.component, o.value, o.z, float(p))
         for o, p in zip(found, corrected, strict=True)
@@ -111,8 +112,8 @@ def _offsets_of(kind: str, values: Floats, covariances: Floats, memory: float) -
     # A variance that is claimed needs no Student; one that is estimated does.
     p = np.where(
         spread > 1,
-        chisquare.student_two_sided(z, len(values) - 1),
-        chisquare.normal_two_sided(z),
+        laws.student_two_sided(z, len(values) - 1),
+        laws.normal_two_sided(z),
     )
     return [Offset(kind, j, float(means[j]), float(z[j]), float(p[j])) for j in range(len(means))]
 
@@ -124,7 +125,7 @@ NOTABLE = 0.05
 def _excess_spread(residuals: Floats) -> Floats:
     """The variance of unit residuals where it is significantly above 1, else 1."""
     squares = (residuals**2).sum(axis=0)
-    wide = chisquare.upper_tail(squares, len(residuals) - 1) < NOTABLE
+    wide = _chi2.sf(squares, len(residuals) - 1) < NOTABLE
     return np.where(wide, np.maximum(1.0, squares / len(residuals)), 1.0)
 
 
@@ -173,7 +174,7 @@ def correlation(innovations: Innovations) -> Correlation:
     half = len(white) // 2
     lag1, z, pairs = _lag1(white, there)
     _, late_z, _ = _lag1(white[half:], there[half:])
-    return Correlation(lag1, z, float(chisquare.normal_two_sided(z)), pairs, late_z)
+    return Correlation(lag1, z, float(laws.normal_two_sided(z)), pairs, late_z)
 
 
 LASTING = 0.5

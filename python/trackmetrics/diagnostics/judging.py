@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trackmetrics.diagnostics import chisquare
+from trackmetrics import _chi2
 from trackmetrics.diagnostics import innovations as nu
 from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
 from trackmetrics.diagnostics.deriving import quadratic_forms
@@ -103,9 +103,9 @@ def _leaning(innovations: Innovations) -> str:
     """What to call innovations that are correlated in time: by their size, if it says anything."""
     dof = float((~np.isnan(innovations.values)).sum())
     total = float((nu.whitened(innovations) ** 2).sum())
-    if chisquare.upper_tail(total, dof) < LEANING / 2:
+    if _chi2.sf(total, dof) < LEANING / 2:
         return "optimistic"
-    if chisquare.lower_tail(total, dof) < LEANING / 2:
+    if _chi2.cdf(total, dof) < LEANING / 2:
         return "pessimistic"
     return "non_white"
 
@@ -125,7 +125,7 @@ def _heavy_tailed(nis: Quantity, level: float) -> bool:
     """Whether there are outliers: they too make innovations large, and alternate."""
     values, dof = nis.trace.kept_values()
     scale = robust_scale(values, dof)
-    extreme = chisquare.upper_tail(values / scale, dof).min() < level / len(values)
+    extreme = _chi2.sf(values / scale, dof).min() < level / len(values)
     return bool(nis.trace.outliers) or bool(extreme)
 
 
@@ -186,11 +186,14 @@ def reconciled(
 
     What only an end of one of them shows gives way to a bias that the other shows: a filter absorbs
     a bias as it starts. A mean innovation is no bias where the errors are far too large and have no
-    mean. And a NIS that diverges late is optimistic where the NEES was so from the start.
+    mean; a mean error is none where both are smaller than claimed. And a NIS that diverges late is
+    optimistic where the NEES was so from the start.
     """
     if nees.word.verdict == "biased" and _only_an_end(nis.word):
         nis = replace(nis, word=Word("consistent"))
     if nis.word.verdict == "biased" and _only_an_end(nees.word):
+        nees = replace(nees, word=Word("consistent"))
+    if (nis.word.verdict, nees.word.verdict) == ("pessimistic", "biased") and _scale(nees) < 1:
         nees = replace(nees, word=Word("consistent"))
     unexplained = nees.word.verdict == "optimistic" and not state_biases
     if nis.word.verdict == "biased" and unexplained and _scale(nees) > FAR:
@@ -213,4 +216,4 @@ def dishonest_before(nees: Quantity, onset: int) -> bool:
     before = nees.rows[nees.trace.kept] < onset * WELL_BEFORE
     values, dof = (column[before] for column in nees.trace.kept_values())
     total, m = float(values.sum()), float(dof.sum())
-    return total > MATERIAL * m and bool(chisquare.upper_tail(total, m) < CERTAIN)
+    return total > MATERIAL * m and bool(_chi2.sf(total, m) < CERTAIN)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from trackmetrics.diagnostics import chisquare
+from trackmetrics import _chi2
 from trackmetrics.diagnostics.columns import Floats, Integers
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def _suspicious(traces: Sequence["Trace"], level: float) -> list["Trace"]:
     """Those with any value that is extreme under a scale of 1: the robust scale is never less."""
     if not traces:
         return []
-    tails = chisquare.upper_tail(
+    tails = _chi2.sf(
         np.concatenate([s.values for s in traces]), np.concatenate([s.dof for s in traces])
     )
     starts = np.concatenate([[0], np.cumsum([len(s.values) for s in traces])[:-1]])
@@ -54,7 +54,7 @@ def _suspicious(traces: Sequence["Trace"], level: float) -> list["Trace"]:
 
 def robust_scale(values: Floats, dof: Floats) -> float:
     """The median of the values over the median that chi-square promises, at least 1."""
-    return max(1.0, float(np.median(values / chisquare.quantile(0.5, dof))))
+    return max(1.0, float(np.median(values / _chi2.quantile(0.5, dof))))
 
 
 def _isolated(values: Floats, dof: Floats, scale: float, level: float) -> Integers:
@@ -64,7 +64,7 @@ def _isolated(values: Floats, dof: Floats, scale: float, level: float) -> Intege
     as well, but smaller; a fault grows.
     """
     n = len(values)
-    tails = chisquare.upper_tail(values / scale, dof)
+    tails = _chi2.sf(values / scale, dof)
     hits = np.flatnonzero(tails < level / n)
     if not 0 < len(hits) <= max(1.0, MOST * n):
         return hits[:0]

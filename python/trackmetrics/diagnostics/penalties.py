@@ -10,8 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from trackmetrics import _backend
-from trackmetrics.diagnostics import chisquare
+from trackmetrics import _backend, _chi2
 from trackmetrics.diagnostics.columns import Floats
 
 DRAWS = 4000
@@ -54,7 +53,11 @@ def deserved(gains: Floats, dof: Floats, least: int, level: float, factor: float
 
 def _count(gains: list[float], price: float) -> int:
     """The number of cuts with the largest gain after their price; the least of equals."""
-    return max(range(len(gains)), key=lambda s: (gains[s] - s * price, -s))
+    best, most = 0, gains[0]
+    for count, gain in enumerate(gains):
+        if gain - count * price > most:
+            best, most = count, gain - count * price
+    return best
 
 
 @lru_cache(maxsize=64)
@@ -64,8 +67,8 @@ def _bounds(level: float) -> tuple[float, float]:
     The best of many cuts gains at least what one does, whose law is chi-square with one degree of
     freedom or a little wider; and at most what 5000 independent ones would with twice that spread.
     """
-    low = float(chisquare.quantile(1.0 - level, 1.0))
-    return low, 2.0 * float(chisquare.quantile(1.0 - level / 5000.0, 1.0))
+    low = float(_chi2.quantile(1.0 - level, 1.0))
+    return low, 2.0 * float(_chi2.quantile(1.0 - level / 5000.0, 1.0))
 
 
 WITHIN = 1.2

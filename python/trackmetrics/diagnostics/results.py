@@ -106,7 +106,7 @@ class QuantityVerdict(Record):
 
 @dataclass(frozen=True)
 class Outlier(Record):
-    """An update whose NIS is far too large while its neighbours are not."""
+    """An update whose NIS is far too large for the scale of the track."""
 
     index: int
     """The update."""
@@ -217,7 +217,7 @@ class TrackDiagnosis(Record):
     whiteness: Whiteness | None
     """Correlation of the innovations in the settled part; None without them."""
     outliers: tuple[Outlier, ...]
-    """Isolated NIS that are far too large."""
+    """Single NIS that are far too large, whatever the verdict."""
     updates: int
     """How many updates the track has, without repeated rows."""
     tentative: int

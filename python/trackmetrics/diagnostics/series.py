@@ -6,12 +6,13 @@ sequences of a log are judged together, stage by stage, so that special function
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from trackmetrics import _backend
-from trackmetrics.diagnostics import chisquare
+from trackmetrics import _backend, _chi2
+from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Floats, Integers
 from trackmetrics.diagnostics.penalties import deserved
 
@@ -67,7 +68,7 @@ class Trace:
     found: "Candidates | None" = None
     """Its partitions, where they are known."""
 
-    @property
+    @cached_property
     def sufficient(self) -> bool:
         """Whether there is enough to judge."""
         return len(self.values) >= LEAST_UPDATES and float(self.dof.sum()) >= LEAST_DOF
@@ -154,7 +155,7 @@ def scores_within(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
     scales = np.concatenate(
         [np.full(b - a, values[a:b].sum() / dof[a:b].sum()) for a, b in pairwise(edges)]
     )
-    return chisquare.normal_scores(values / np.maximum(scales, 1e-300), dof)
+    return laws.normal_scores(values / np.maximum(scales, 1e-300), dof)
 
 
 def autocorrelation_time(values: Floats) -> float:
@@ -185,12 +186,12 @@ def _tested(
         sums += np.add.reduceat(values, places[:-1]).tolist()
         dofs += np.add.reduceat(dof, places[:-1]).tolist()
     n, m = np.array(sums), np.array(dofs)
-    p = chisquare.two_sided(n, m)
-    low, high = n / chisquare.quantile(0.975, m), n / chisquare.quantile(0.025, m)
+    p = _chi2.p_value(n, m)
+    low, high = n / _chi2.quantile(0.975, m), n / _chi2.quantile(0.025, m)
     found, at = [], 0
     for places in edges:
         count = len(places) - 1
-        corrected = p[at : at + 1] if count == 1 else chisquare.holm(p[at : at + count])
+        corrected = p[at : at + 1] if count == 1 else laws.holm(p[at : at + count])
         found.append(
             tuple(
                 _stretch(
@@ -239,7 +240,7 @@ def _without_spike(stretch: Stretch, values: Floats, dof: Floats) -> Stretch:
         return stretch
     c, m = values[stretch.start : stretch.stop], dof[stretch.start : stretch.stop]
     largest = int(np.argmax(c / m))
-    rest = chisquare.upper_tail(stretch.sum - c[largest], stretch.dof - m[largest])
+    rest = _chi2.sf(stretch.sum - c[largest], stretch.dof - m[largest])
     if rest <= 0.05:
         return stretch
     return Stretch(
@@ -279,20 +280,20 @@ def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) 
 
 
 def _end_tests(pairs: Sequence[tuple[Floats, Floats]], reverse: bool) -> tuple[Floats, Integers]:
-    count = len(pairs)
-    n, m = np.zeros((count, LONGEST_END)), np.zeros((count, LONGEST_END))
-    total, dof, most = np.zeros((count, 1)), np.zeros((count, 1)), np.zeros(count, np.int64)
-    for i, (values, dofs) in enumerate(pairs):
-        most[i] = min(LONGEST_END, max(1, len(values) // 3))
-        total[i], dof[i] = values.sum(), dofs.sum()
-        ends = slice(None, -most[i] - 1, -1) if reverse else slice(most[i])
-        n[i, : most[i]] = np.cumsum(values[ends])
-        m[i, : most[i]] = np.cumsum(dofs[ends])
+    """P-values of the ends of all traces, and the lengths that they are of."""
+    lengths = np.array([len(values) for values, _ in pairs])
+    starts = np.cumsum(lengths) - lengths
+    most = np.minimum(LONGEST_END, np.maximum(1, lengths // 3))
+    steps = np.minimum(np.arange(LONGEST_END), most[:, None] - 1)
+    rows = starts[:, None] + (lengths[:, None] - 1 - steps if reverse else steps)
+    values, dofs = (np.concatenate(column) for column in zip(*pairs, strict=True))
+    n, m = np.cumsum(values[rows], axis=1), np.cumsum(dofs[rows], axis=1)
+    total, dof = (np.add.reduceat(column, starts)[:, None] for column in (values, dofs))
     used = np.arange(LONGEST_END) < most[:, None]
-    n, m = np.where(used, n, 1.0), np.where(used, m, 1.0)
+    n, m = np.where(used, n, n[:, :1]), np.where(used, m, m[:, :1])
     rest = np.maximum(total - n, 1e-300) / (dof - m)
-    p = np.maximum(chisquare.ratio_tail(n / m / rest, m, dof - m), chisquare.upper_tail(n, m))
+    p = np.maximum(laws.ratio_tail(n / m / rest, m, dof - m), _chi2.sf(n, m))
     p = np.where(used, p, 2.0)
     best = np.argmin(p, axis=1)
-    corrected = p[np.arange(count), best] * np.minimum(most, TESTS)
+    corrected = p[np.arange(len(pairs)), best] * np.minimum(most, TESTS)
     return np.minimum(1.0, corrected), best + 1

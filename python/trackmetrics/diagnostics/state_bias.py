@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trackmetrics.diagnostics import chisquare
+from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Floats
 from trackmetrics.diagnostics.series import autocorrelation_time
 
@@ -35,7 +35,7 @@ def state_offsets(errors: Floats, covariances: Floats, steps: Floats | None) -> 
         values, z, dof = _means(errors, np.sqrt(covariances.diagonal(axis1=1, axis2=2)))
     else:
         values, z, dof = _least_squares(errors, covariances, steps)
-    p = chisquare.holm(chisquare.student_two_sided(z, dof))
+    p = laws.holm(laws.student_two_sided(z, dof))
     return [StateOffset(i, float(values[i]), float(z[i]), float(p[i])) for i in range(len(values))]
 
 

@@ -49,7 +49,7 @@ def outliers_first(outliers: tuple[Outlier, ...], unit: str) -> str:
     shown = ", ".join(when(o.time, unit) for o in outliers[:3])
     more = f" and {len(outliers) - 3} more" if len(outliers) > 3 else ""
     many = "outliers" if len(outliers) > 1 else "outlier"
-    return f"{len(outliers)} {many} (at {shown}{more}) set aside."
+    return f"{len(outliers)} {many} (at {shown}{more})."
 
 
 def quantity(verdict: QuantityVerdict, unit: str) -> str:

@@ -8,6 +8,7 @@ from trackmetrics.monte_carlo.accumulator import Accumulator
 from trackmetrics.monte_carlo.choice import Best
 from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.labels import LabelAccumulator, LabelSummary
+from trackmetrics.monte_carlo.point_sets import PointSetAccumulator, PointSetSummary
 from trackmetrics.monte_carlo.results import SweepResult
 from trackmetrics.monte_carlo.scores import ScoreAccumulator
 from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
@@ -23,6 +24,8 @@ __all__ = [
     "FormStatistics",
     "LabelAccumulator",
     "LabelSummary",
+    "PointSetAccumulator",
+    "PointSetSummary",
     "ScoreAccumulator",
     "SweepInterrupted",
     "SweepResult",

@@ -44,6 +44,7 @@ _DASHES: dict[str, Any] = {
 def draw(scene: Scene, theme: Theme) -> Any:
     """A ``matplotlib.figure.Figure``."""
     from matplotlib.figure import Figure
+    from matplotlib.text import Text as Words
 
     figure = Figure(figsize=(scene.width / INCH, scene.height / INCH), dpi=INCH)
     figure.set_facecolor(theme.rgba("surface"))
@@ -62,6 +63,8 @@ def draw(scene: Scene, theme: Theme) -> Any:
             _DRAW[type(mark)](axes, mark, theme)
         if panel.legend:
             _legend(axes, theme)
+    for text in figure.findobj(Words):
+        text.set_parse_math(False)
     return figure
 
 

@@ -6,6 +6,7 @@ data.
 """
 
 from collections.abc import Callable, Sequence
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -73,7 +74,7 @@ class _Target:
         """Adds a trace."""
         axes = {"xaxis": self.x, "yaxis": self.y, "type": "scatter"}
         named = {
-            "name": mark.name,
+            "name": literal(mark.name),
             "showlegend": self.panel.legend and isinstance(mark, (Line, Band)) and bool(mark.name),
         }
         self.data.append({**axes, **named, **content})
@@ -89,6 +90,15 @@ class _Target:
     def height(self, y: float) -> float:
         """A value of the y axis as annotations want it; a zero lies below every logarithmic one."""
         return float(np.log10(max(y, 1e-12))) if self.panel.log else y
+
+
+def literal(text: str) -> str:
+    """Words that plotly shows as they are: it reads tags in them, and templates in hover words.
+
+    And a first ``@`` would be read as a role.
+    """
+    safe = escape(text, quote=False).replace("%{", "%&#123;")
+    return "&#64;" + safe[1:] if safe.startswith("@") else safe
 
 
 def numbers(values: Floats, log: bool = False) -> list[float | None]:
@@ -134,8 +144,8 @@ def _layout(scene: Scene) -> Json:
     if scene.title:
         left = scene.panels[0].place.left if scene.panels else 0.0
         layout["annotations"] += [
-            _words(scene, left, 18, f"<b>{scene.title}</b>", 20, "@ink"),
-            _words(scene, left, 46, scene.subtitle, 13, "@muted"),
+            _words(scene, left, 18, f"<b>{literal(scene.title)}</b>", 20, "@ink"),
+            _words(scene, left, 46, literal(scene.subtitle).replace("\n", "<br>"), 13, "@muted"),
         ]
     return layout
 
@@ -174,7 +184,7 @@ def _words(scene: Scene, left: float, top: float, text: str, size: float, colour
 def _title(scene: Scene, panel: Panel) -> list[Json]:
     if not panel.title:
         return []
-    words = _words(scene, panel.place.left, panel.place.top - 4, panel.title, 12.5, "@ink")
+    words = _words(scene, panel.place.left, panel.place.top - 4, literal(panel.title), 12.5, "@ink")
     return [{**words, "yanchor": "bottom"}]
 
 
@@ -194,7 +204,7 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
         "domain": [place.left / scene.width, (place.left + place.width) / scene.width],
         "anchor": _axis_names(i)[1],
         "showticklabels": bool(panel.x_label),
-        "title": {"text": panel.x_label, "standoff": 6, "font": {"size": 12}},
+        "title": {"text": literal(panel.x_label), "standoff": 6, "font": {"size": 12}},
     }
     if panel.x_limits:
         x["range"] = list(panel.x_limits)
@@ -204,7 +214,7 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
         **common,
         "domain": [bottom, bottom + place.height / scene.height],
         "anchor": _axis_names(i)[0],
-        "title": {"text": panel.y_label, "standoff": 8, "font": {"size": 12}},
+        "title": {"text": literal(panel.y_label), "standoff": 8, "font": {"size": 12}},
         **_y_scale(panel),
     }
     return x, y
@@ -218,7 +228,10 @@ def _y_scale(panel: Panel) -> Json:
     if ticks is None and panel.log and panel.y_limits:
         ticks = tuple(log_ticks(panel.y_limits))
     if ticks is not None:
-        scale |= {"tickvals": [v for v, _ in ticks], "ticktext": [name for _, name in ticks]}
+        scale |= {
+            "tickvals": [v for v, _ in ticks],
+            "ticktext": [literal(name) for _, name in ticks],
+        }
     elif panel.place.height < 150:
         scale["nticks"] = 5
     return scale
@@ -226,7 +239,7 @@ def _y_scale(panel: Panel) -> Json:
 
 def _hover(target: _Target, name: str) -> str:
     unit = f" {target.panel.x_unit}".rstrip()
-    return f"%{{x:.4g}}{unit}<br>%{{y:.4g}}<extra>{name}</extra>"
+    return f"%{{x:.4g}}{unit}<br>%{{y:.4g}}<extra>{literal(name)}</extra>"
 
 
 def _line(target: _Target, mark: Line) -> None:
@@ -339,10 +352,18 @@ def _event(target: _Target, mark: Event) -> None:
     )
 
 
+def _across(target: _Target, x: float) -> Json:
+    """Where words stand; beside the panel they need its own measure, else plotly hides them."""
+    low, high = target.panel.x_limits or (x, x)
+    if low <= x <= high:
+        return {"x": x}
+    return {"x": (x - low) / (high - low), "xref": f"{target.x} domain"}
+
+
 def _text(target: _Target, mark: Text) -> None:
     target.annotation(
-        text=f"<b>{mark.text}</b>" if mark.bold else mark.text,
-        x=mark.x,
+        text=f"<b>{literal(mark.text)}</b>" if mark.bold else literal(mark.text),
+        **_across(target, mark.x),
         y=target.height(mark.y),
         yref=target.y,
         xanchor=mark.anchor,

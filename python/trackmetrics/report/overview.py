@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from textwrap import wrap
 
 import numpy as np
 
@@ -60,7 +61,7 @@ def summary(subjects: Sequence[Subject]) -> str:
         counts[subject.track.verdict] = counts.get(subject.track.verdict, 0) + 1
     parts = ", ".join(f"{count} {words(verdict)}" for verdict, count in counts.items())
     tracks = f"{len(subjects)} track{'s' if len(subjects) != 1 else ''}"
-    return f"{tracks}: {parts}" if parts else tracks
+    return "\n".join(wrap(f"{tracks}: {parts}" if parts else tracks, 140))
 
 
 def _short(name: str, length: int = 26) -> str:
@@ -73,7 +74,7 @@ def _lane(subject: Subject, y: float) -> list[Mark]:
         if verdict is not None:
             marks += _stretches(subject, verdict, y + low, y + high)
             marks += _moments(subject, verdict, y + (low + high) / 2)
-    end = subject.span[1] + 0.085 * (subject.span[1] - subject.span[0])
+    end = subject.span[1] + 0.045 * (subject.span[1] - subject.span[0])
     role = verdict_role(subject.track.verdict)
     marks.append(
         Text(end, y, f"{glyph(subject.track.verdict)} {words(subject.track.verdict)}", role)

@@ -102,7 +102,8 @@ def _counts(every: list[Subject]) -> dict[str, int]:
 
 def _track(index: int, subject: Subject, compared: dict[str, Any]) -> dict[str, Any]:
     """What the template and the browser need of one track."""
-    own = [trace for trace in compared["data"] if trace["name"] == subject.track.track]
+    name = draw_plotly.literal(subject.track.track)
+    own = [trace for trace in compared["data"] if trace["name"] == name]
     figures = {
         "comparison": [{**trace, "showlegend": False} for trace in own],
         "sheet": draw_plotly.figure(track_scene(subject, titled=False)),

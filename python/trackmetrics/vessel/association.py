@@ -26,7 +26,10 @@ def associate(
         return list(zip(positions.tolist(), tracks.tolist(), strict=True))
     chosen = []
     for pairs in _clusters(positions, tracks):
-        chosen += _solve(positions[pairs], tracks[pairs], costs[pairs], gate)
+        if len(pairs) == 1:
+            chosen.append((int(positions[pairs[0]]), int(tracks[pairs[0]])))
+        else:
+            chosen += _solve(positions[pairs], tracks[pairs], costs[pairs], gate)
     return sorted(chosen)
 
 

@@ -231,15 +231,22 @@ def fleet(
         rng = np.random.default_rng([seed, 1, k])
         start = _start(rng, centre, spread, speed)
         times = _times(rng, float(rng.uniform(low, high)), duration)
-        for _ in range(rng.poisson(outages)):
-            begin = rng.uniform(0, max(duration - outage, 0))
-            times = times[(times <= begin) | (times > begin + outage)]
+        times = _silenced(rng, times, rng.poisson(outages), outage, duration)
         kinds = rng.choice([_AIS, _TRUNCATED, _POSITION], len(times), p=shares)
         kinds[:2] = _AIS
         turns = tuple(_turn(rng, duration, rate) for _ in range(rng.poisson(manoeuvres)))
         drawn.append(Ship(f"ship {k + 1}", start, tuple(times), tuple(kinds.tolist()), turns))
     each = {ship.name: settings for ship in drawn}
     return simulate(drawn, settings, each, begin=0.0, end=duration, seed=seed)
+
+
+def _silenced(
+    rng: np.random.Generator, times: Floats, outages: int, outage: float, duration: float
+) -> Floats:
+    """Times without those of the silences."""
+    for begin in rng.uniform(0, max(duration - outage, 0), outages):
+        times = times[(times <= begin) | (times > begin + outage)]
+    return times
 
 
 def _check_fleet(ships: int, duration: float, shares: Sequence[float]) -> None:

@@ -31,17 +31,21 @@ pub trait Load<S: Simd>: Copy {
 pub trait WithLanes {
     /// What comes out.
     type Output;
+    /// The widest vectors that it gains from.
+    const WIDEST: Width = Width::Widest;
     /// The kernel; to be marked `#[inline(always)]`, so that it is compiled for the width.
     fn with_lanes<S: Simd, L: Load<S>>(self, simd: S, load: L) -> Self::Output;
 }
 
-/// Runs `operation` compiled for the widest vector units that the machine has and the limit allows.
+/// Runs `operation` compiled for the widest vector units that the machine has, the limit allows and
+/// the operation is good for.
 #[inline]
 pub fn dispatch<Op: WithLanes>(operation: Op) -> Op::Output {
     let limit = limit();
     #[cfg(target_arch = "x86_64")]
     {
         if limit == Width::Widest
+            && Op::WIDEST == Width::Widest
             && let Some(simd) = V4::try_new()
         {
             return Simd::vectorize(simd, On(operation, simd));
@@ -127,6 +131,11 @@ impl Load<V3> for Transposed {
             *vector = cast(*values);
             return;
         }
+        if let [x, y, z] = &mut *vectors {
+            let rows = rows_of_three(records);
+            [*x, *y, *z, _] = transpose4(simd, &rows.each_ref().map(std::slice::from_ref), 0);
+            return;
+        }
         let rows = rows::<4>(records, size);
         let fours = rows.map(|row| row.as_chunks::<4>().0);
         let mut blocks = vectors.chunks_exact_mut(4);
@@ -164,6 +173,11 @@ impl Load<V4> for Transposed {
             *vector = cast(*values);
             return;
         }
+        if let [x, y, z] = &mut *vectors {
+            let rows = rows_of_three(records);
+            [*x, *y, *z, _] = transpose8(simd, &rows.each_ref().map(std::slice::from_ref), 0);
+            return;
+        }
         let rows = rows::<8>(records, size);
         let fours = rows.map(|row| row.as_chunks::<4>().0);
         let mut blocks = vectors.chunks_exact_mut(4);
@@ -182,6 +196,19 @@ impl Load<V4> for Transposed {
             }
         }
     }
+}
+
+/// Rows of three, each with one element more, of the next row or any.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn rows_of_three<const N: usize>(records: &[f64]) -> [[f64; 4]; N] {
+    let records = &records[..3 * N];
+    let mut rows = [[0.0; 4]; N];
+    for (l, row) in rows.iter_mut().enumerate().take(N - 1) {
+        row.copy_from_slice(&records[3 * l..3 * l + 4]);
+    }
+    rows[N - 1][..3].copy_from_slice(&records[3 * N - 3..]);
+    rows
 }
 
 /// The first `N` records.

@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_millis(20);
 
 /// 0 stands for "as many as the machine has".
 static THREADS: AtomicUsize = AtomicUsize::new(0);
-/// Asking the machine takes longer than a small kernel.
+/// Asked once: the answer takes tens of microseconds to find.
 static MACHINE: OnceLock<usize> = OnceLock::new();
 static POOL: Mutex<Option<Pool>> = Mutex::new(None);
 

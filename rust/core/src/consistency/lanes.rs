@@ -10,6 +10,7 @@
 
 use super::judge::doubtful_pivot;
 use crate::lanes::{Load, MOST, WithLanes};
+use crate::simd::Width;
 use pulp::Simd;
 
 /// Which covariance belongs to a residual.
@@ -33,6 +34,10 @@ pub(super) struct Forms<'a, const D: usize, const E: usize> {
 impl<const D: usize, const E: usize> WithLanes for Forms<'_, D, E> {
     /// Whether no lane was left in doubt.
     type Output = bool;
+
+    /// From five dimensions on a covariance does not fit into registers, and half as many at a time
+    /// are as fast on Intel and faster on AMD.
+    const WIDEST: Width = if D < 5 { Width::Widest } else { Width::V3 };
 
     #[inline(always)]
     fn with_lanes<S: Simd, L: Load<S>>(self, simd: S, load: L) -> bool {
@@ -146,7 +151,7 @@ impl<S: Simd, L: Load<S>, const D: usize> Block<S, L, D> {
         let simd = self.simd;
         let size = S::F64_LANES * D * D;
         let ahead = AHEAD.min(p.len() - size);
-        self.load.fetch(simd, &p[ahead..ahead + size]);
+        let (next, share) = (&p[ahead..ahead + size], S::F64_LANES * D);
         self.load.load(simd, p, self.p.0.as_flattened_mut());
         let mut fair = self.average();
         let mut form = simd.splat_f64s(0.0);
@@ -160,6 +165,8 @@ impl<S: Simd, L: Load<S>, const D: usize> Block<S, L, D> {
             ($($j:literal)*) => { $( if $j < D {
                 fair = simd.and_m64s(fair, simd.greater_than_f64s(self.p.0[$j][$j], bounds[$j]));
                 form = self.eliminate($j, form);
+                // A share at a time: all at once would wait for each other.
+                self.load.fetch(simd, &next[$j * share..($j + 1) * share]);
             } )* };
         }
         eliminate!(0 1 2 3 4 5 6 7 8);

@@ -3,6 +3,8 @@
 use crate::arrays::Array;
 use crate::consistency::quadratic_form::{Residuals, Rules, quadratic_forms};
 use crate::error::{Error, Result};
+use crate::simd;
+use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// The errors of a batch of runs.
@@ -59,7 +61,7 @@ impl Batch<'_> {
         let states = self.states(first, runs);
         let mut errors = self.truth[states.clone()].to_vec();
         if let Some(estimates) = self.estimates {
-            errors.iter_mut().zip(&estimates[states]).for_each(|(error, x)| *error -= x);
+            simd::dispatch(Subtract { errors: &mut errors, estimates: &estimates[states] });
         }
         wrap(&mut errors, self.periods);
         errors
@@ -151,6 +153,20 @@ fn later(mut error: Error, first: usize) -> Error {
         *run += first;
     }
     error
+}
+
+struct Subtract<'a> {
+    errors: &'a mut [f64],
+    estimates: &'a [f64],
+}
+
+impl WithSimd for Subtract<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.errors.iter_mut().zip(self.estimates).for_each(|(error, x)| *error -= x);
+    }
 }
 
 fn require(

@@ -25,6 +25,7 @@ use super::histogram::{BINS, bin};
 use super::tree::{Tree, pieces};
 use crate::error::Result;
 use crate::{simd, threads};
+use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// Columns of each step that do not belong to one state.
@@ -120,9 +121,17 @@ impl Part {
             let runs = together.min((self.runs.end - run) as usize);
             let group = Group::new(batch, (run - batch.first_run) as usize, runs)?;
             for one in group.runs() {
-                self.tree.push(run, |row| fill(&one, row, levels.decibels));
-                add_up(&one, &mut self.of_runs);
-                count(&one, &mut self.counts, &mut self.histogram, levels.thresholds);
+                let Self { of_runs, counts, histogram, .. } = self;
+                self.tree.push(run, |row| {
+                    simd::dispatch(One {
+                        run: one,
+                        levels: *levels,
+                        row,
+                        of_runs,
+                        counts,
+                        histogram,
+                    });
+                });
                 run += 1;
             }
         }
@@ -130,11 +139,33 @@ impl Part {
     }
 }
 
+/// Reduces one run, compiled for the width of the machine.
+struct One<'a> {
+    run: Run<'a>,
+    levels: Levels<'a>,
+    row: &'a mut [f64],
+    of_runs: &'a mut Vec<f64>,
+    counts: &'a mut [i64],
+    histogram: &'a mut [i64],
+}
+
+impl WithSimd for One<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        fill(simd, &self.run, self.row, self.levels.decibels);
+        add_up(&self.run, self.of_runs);
+        count(&self.run, self.counts, self.histogram, self.levels.thresholds);
+    }
+}
+
 /// The columns of a run, block by block; what was not measured stays zero.
-fn fill(run: &Run<'_>, row: &mut [f64], decibels: f64) {
+#[inline(always)]
+fn fill<S: Simd>(simd: S, run: &Run<'_>, row: &mut [f64], decibels: f64) {
     let (d, steps) = (run.d, run.forms.len());
     let Run { forms, errors, covariances, .. } = *run;
-    simd::dispatch(Fill { forms, errors, covariances, d, decibels, row: &mut *row });
+    Fill { forms, errors, covariances, d, decibels, row: &mut *row }.with_simd(simd);
     for t in (0..steps).filter(|&t| forms[t].is_nan()) {
         (0..FORM_COLUMNS).for_each(|block| row[block * steps + t] = 0.0);
         let states = &mut row[FORM_COLUMNS * steps..];
@@ -143,6 +174,7 @@ fn fill(run: &Run<'_>, row: &mut [f64], decibels: f64) {
 }
 
 /// The sums of a run over its steps.
+#[inline(always)]
 fn add_up(run: &Run<'_>, of_runs: &mut Vec<f64>) {
     let at = of_runs.len();
     of_runs.resize(at + 2 + run.d, 0.0);
@@ -155,6 +187,7 @@ fn add_up(run: &Run<'_>, of_runs: &mut Vec<f64>) {
 }
 
 /// Counts the forms of a run: those that were measured, those under each threshold, and by bins.
+#[inline(always)]
 fn count(run: &Run<'_>, counts: &mut [i64], histogram: &mut [i64], thresholds: &[f64]) {
     let (measured, under) = counts.split_at_mut(run.forms.len());
     for (n, form) in measured.iter_mut().zip(run.forms) {

@@ -1,0 +1,43 @@
+"""Tails of the F, normal and Student laws on whole arrays; corrected p-values."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmetrics._chi2 import cdf, special
+
+Floats = NDArray[np.float64]
+
+
+def ratio_tail(ratio: Any, dof: Any, other: Any) -> Floats:
+    """Chance that an F value is larger."""
+    tail: Floats = special().fdtrc(dof, other, ratio)
+    return tail
+
+
+def normal_two_sided(z: Any) -> Floats:
+    """Chance that a normal value is further from 0."""
+    tail: Floats = 2.0 * special().ndtr(-np.abs(z))
+    return tail
+
+
+def student_two_sided(t: Any, dof: Any) -> Floats:
+    """Chance that a Student value is further from 0."""
+    tail: Floats = 2.0 * special().stdtr(dof, -np.abs(t))
+    return tail
+
+
+def normal_scores(values: Floats, dof: Floats) -> Floats:
+    """Standard normal values at the same chance as these chi-square values."""
+    scores: Floats = special().ndtri(np.clip(cdf(values, dof), 1e-12, 1.0 - 1e-12))
+    return scores
+
+
+def holm(p_values: Floats) -> Floats:
+    """P-values corrected for how many there are (Holm 1979)."""
+    order = np.argsort(p_values, kind="stable")
+    stepped = p_values[order] * np.arange(len(p_values), 0, -1)
+    corrected = np.empty_like(p_values)
+    corrected[order] = np.minimum(1.0, np.maximum.accumulate(stepped))
+    return corrected
