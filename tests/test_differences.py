@@ -152,3 +152,44 @@ def test_limits_of_the_chi_square_test():
         ours_is_refused("consistency_test", values, 2, match="finite and at least 0")
     assert theirs("credibility_interval", np.zeros((1, 2)), np.array([EYE]), 95) == 0.0
     ours_is_refused("credibility_interval", np.zeros((1, 2)), np.array([EYE]), 95)
+
+
+def test_infinite_order_and_cutoff_are_not_computed_there():
+    near, far = ([[0.0]], [[0.3]]), ([[0.0]], [[5.0]])
+    assert theirs("ospa", *near, p=np.inf).ospa == 1.0
+    assert trackmetrics.ospa(*near, p=np.inf).ospa == 0.3
+    with pytest.raises(ValueError, match="infeasible"):
+        theirs("ospa", *far, p=np.inf)
+    assert trackmetrics.ospa(*far, p=np.inf).ospa == 5.0
+    assert np.isnan(theirs("ospa", *far, c=np.inf).ospa)
+    assert trackmetrics.ospa(*far, c=np.inf).ospa == 5.0
+    with pytest.raises(OverflowError):
+        theirs("ospa", *far, p=200.0)
+    assert trackmetrics.ospa(*far, p=200.0).ospa == pytest.approx(5.0, rel=1e-12)
+
+
+def test_cutoffs_and_orders_that_are_none_are_used_there():
+    pair = [[0.0]], [[5.0]]
+    assert theirs("ospa", *pair, c=-1.0).ospa == 1.0
+    assert theirs("ospa", *pair, p=-1.0).ospa == pytest.approx(5.0)
+    assert np.isnan(theirs("ospa", *pair, c=np.nan).ospa)
+    with pytest.raises(ZeroDivisionError):
+        theirs("ospa", *pair, p=0)
+    for wrong in (-1.0, 0.0, np.nan):
+        ours_is_refused("ospa", *pair, wrong, match="c must be positive")
+        ours_is_refused("ospa", *pair, 1.0, wrong, match="p must be positive")
+
+
+def test_points_that_are_none_are_used_there():
+    nan, infinite = [np.array([np.nan, 0.0])], [np.array([np.inf, 0.0])]
+    pair, single = [np.array([3.0, 4.0])], [np.array([0.0])]
+    assert theirs("ospa", nan, [], 7.0).ospa == 7.0
+    ours_is_refused("ospa", nan, [], 7.0, match=r"X\[0\] is not finite: nan")
+    assert theirs("ospa", pair, infinite, 7.0).ospa == 7.0
+    ours_is_refused("ospa", pair, infinite, 7.0, match=r"Y\[0\] is not finite: inf")
+    assert theirs("ospa", pair, single).ospa == 5.0
+    ours_is_refused("ospa", pair, single, match=r"Y\[0\] has 1 coordinates, expected 2")
+    assert theirs("ospa", [np.empty(0)], [np.empty(0)]).ospa == 0.0
+    ours_is_refused("ospa", [np.empty(0)], [np.empty(0)], match=r"X\[0\] has no coordinates")
+    assert type(theirs("ospa", [], pair, 7).ospa) is int
+    assert type(trackmetrics.ospa([], pair, 7).ospa) is float

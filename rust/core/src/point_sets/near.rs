@@ -49,29 +49,31 @@ struct Sorted {
     coordinates: Vec<f64>,
 }
 
-/// The grid: where it begins, the width of a cell, the bits of a coordinate.
+/// The grid: where it begins, the width of a cell, and the lowest bit of each coordinate in the
+/// number of a cell; the last entry is how many bits there are.
 struct Grid {
     origin: [f64; LARGEST_DIMENSION],
     width: f64,
-    bits: u32,
+    bits: [u32; LARGEST_DIMENSION + 1],
 }
 
 impl Grid {
     /// Cells are wider than the cutoff by more than a coordinate in cells can be off by rounding.
     fn new(x: Points, y: Points, c: f64) -> Self {
         let d = x.dimension();
-        let bits = (60 / d as u32).min(30);
-        let (mut origin, mut width) = ([0.0; LARGEST_DIMENSION], c * (1.0 + 1.0 / 1_048_576.0));
-        for (k, origin) in origin.iter_mut().enumerate().take(d) {
-            let along = |points: Points<'_>| {
-                let values = points.coordinates().iter().skip(k).step_by(d);
-                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
-                    (low.min(value), high.max(value))
-                })
-            };
-            let ((low, high), (other_low, other_high)) = (along(x), along(y));
-            *origin = low.min(other_low);
-            width = width.max((high.max(other_high) - *origin) / f64::from((1u32 << bits) - 4));
+        let most = f64::from((1u32 << (60 / d as u32).min(30)) - 4);
+        let (mut origin, mut extent) = ([0.0; LARGEST_DIMENSION], [0.0; LARGEST_DIMENSION]);
+        for k in 0..d {
+            let ((low, high), (other_low, other_high)) = (range(x, k), range(y, k));
+            origin[k] = low.min(other_low);
+            extent[k] = high.max(other_high) - origin[k];
+        }
+        let widest = extent.iter().fold(0.0, |a: f64, &b| a.max(b));
+        let width = (c * (1.0 + 1.0 / 1_048_576.0)).max(widest / most);
+        let mut bits = [0; LARGEST_DIMENSION + 1];
+        for k in 0..LARGEST_DIMENSION {
+            let cells = (extent[k] / width) as i64 + 4;
+            bits[k + 1] = bits[k] + if k < d { i64::BITS - cells.leading_zeros() } else { 0 };
         }
         Self { origin, width, bits }
     }
@@ -79,13 +81,13 @@ impl Grid {
     /// The cell of a point: its coordinates in cells, counted from 1, the first one fastest.
     fn cell(&self, point: &[f64]) -> i64 {
         let along = |k: usize| ((point[k] - self.origin[k]) / self.width) as i64 + 1;
-        (0..point.len()).rev().fold(0, |cell, k| (cell << self.bits) | along(k))
+        (0..point.len()).fold(0, |cell, k| cell | (along(k) << self.bits[k]))
     }
 
     /// The steps to the rows of cells beside one, in rising order.
     fn beside(&self, d: usize) -> Vec<i64> {
-        (1..d as u32).fold(vec![0], |steps, k| {
-            let step = 1i64 << (k * self.bits);
+        (1..d).fold(vec![0], |steps, k| {
+            let step = 1i64 << self.bits[k];
             let mut steps: Vec<i64> =
                 [-step, 0, step].iter().flat_map(|s| steps.iter().map(move |t| s + t)).collect();
             steps.sort_unstable();
@@ -98,12 +100,41 @@ impl Sorted {
     fn new(points: Points, grid: &Grid) -> Self {
         let d = points.dimension();
         let cells = points.coordinates().chunks_exact(d).map(|point| grid.cell(point));
-        let mut order: Vec<(i64, u32)> = cells.zip(0..).collect();
-        order.sort_unstable();
+        let order = sorted(cells.zip(0..).collect(), grid.bits[LARGEST_DIMENSION]);
         let places: Vec<u32> = order.iter().map(|(_, place)| *place).collect();
         let coordinates = places.iter().flat_map(|&i| points.point(i as usize)).copied().collect();
         Self { cells: order.into_iter().map(|(cell, _)| cell).collect(), places, coordinates }
     }
+}
+
+/// The least and the greatest coordinate along one axis.
+fn range(points: Points, axis: usize) -> (f64, f64) {
+    let values = points.coordinates().iter().skip(axis).step_by(points.dimension());
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
+        (low.min(value), high.max(value))
+    })
+}
+
+/// Sorts by cell, whose numbers have so many bits, one byte after the other: linear in the number
+/// of points.
+fn sorted(mut order: Vec<(i64, u32)>, bits: u32) -> Vec<(i64, u32)> {
+    let mut next = vec![(0, 0); order.len()];
+    for shift in (0..bits).step_by(8) {
+        let digit = |cell: i64| (cell >> shift) as usize & 0xff;
+        let mut ends = [0; 256];
+        order.iter().for_each(|(cell, _)| ends[digit(*cell)] += 1);
+        let mut end = 0;
+        for count in &mut ends {
+            end += std::mem::replace(count, end);
+        }
+        for &item in &order {
+            let place = &mut ends[digit(item.0)];
+            next[*place] = item;
+            *place += 1;
+        }
+        std::mem::swap(&mut order, &mut next);
+    }
+    order
 }
 
 impl Near {
@@ -167,7 +198,12 @@ impl Near {
     }
 
     fn list<const D: usize>(&self, cutoff: &Cutoff, interrupt: &Interrupt<'_>) -> Result<Pairs> {
-        let mut pairs = Pairs { starts: vec![0; self.x.cells.len() + 1], ..Pairs::default() };
+        let room = (1.2 * self.expected(D)) as usize;
+        let mut pairs = Pairs {
+            starts: vec![0; self.x.cells.len() + 1],
+            columns: Vec::with_capacity(room.min(MEMORY / PAIR)),
+            costs: Vec::with_capacity(room.min(MEMORY / PAIR)),
+        };
         let mut stop = Ok(());
         self.each_near::<D>(cutoff, |i, j, square| {
             if let Some(j) = j {

@@ -55,8 +55,16 @@ impl<S: Simd> Lowest<S> {
         let least = simd.reduce_min_f64s(self.value);
         let here = simd.equal_f64s(self.value, simd.splat_f64s(least));
         let places = simd.select_f64s(here, self.place, simd.splat_f64s(f64::INFINITY));
-        (least, simd.reduce_min_f64s(places) as usize)
+        (least, small_integer(simd.reduce_min_f64s(places)))
     }
+}
+
+/// A whole number below 2^32 as one, without the questions that `as` asks: they take as long as a
+/// vector of costs.
+#[inline(always)]
+fn small_integer(value: f64) -> usize {
+    const LAST_PLACE_IS_ONE: f64 = 4_503_599_627_370_496.0;
+    (value + LAST_PLACE_IS_ONE).to_bits() as u32 as usize
 }
 
 /// Writes the points of a set axis by axis.
