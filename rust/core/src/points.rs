@@ -4,6 +4,7 @@
 //! sets travel flat, with offsets: set `t` is the points `starts[t] .. starts[t + 1]`.
 
 use crate::error::{Error, Result};
+use crate::threads;
 
 /// A finite set of points, all of the same dimension, all finite.
 #[derive(Debug, Clone, Copy)]
@@ -150,9 +151,31 @@ impl<'a> Frames<'a> {
 
 /// The position of the first NaN or infinity.
 ///
+/// Large arrays are looked at in parallel: what comes before a parallel kernel is what limits it.
+pub(crate) fn first_not_finite(values: &[f64]) -> Option<usize> {
+    const PIECE: usize = 1 << 17;
+    if values.len() <= 2 * PIECE {
+        return look(values);
+    }
+    let mut found = vec![None; values.len().div_ceil(PIECE)];
+    let looked: std::result::Result<(), std::convert::Infallible> =
+        threads::fill(&mut found, 2, |first, found| {
+            for (piece, place) in (first..).zip(found) {
+                let (from, to) = (piece * PIECE, values.len().min((piece + 1) * PIECE));
+                *place = look(&values[from..to]).map(|i| from + i);
+            }
+            Ok(())
+        });
+    match looked {
+        Ok(()) => found.into_iter().flatten().next(),
+    }
+}
+
+/// The same on one thread.
+///
 /// One product a value: `0 x` is 0 for a finite `x` and NaN otherwise, so that a block's sum tells
 /// whether it is worth a second look.
-pub(crate) fn first_not_finite(values: &[f64]) -> Option<usize> {
+fn look(values: &[f64]) -> Option<usize> {
     const BLOCK: usize = 64;
     for (block, chunk) in values.chunks(BLOCK).enumerate() {
         let mut sums = [0.0; 8];
@@ -183,6 +206,16 @@ mod tests {
                 values[at] = if at % 2 == 0 { f64::NAN } else { f64::NEG_INFINITY };
                 assert_eq!(first_not_finite(&values), Some(at));
             }
+        }
+    }
+
+    #[test]
+    fn the_first_offender_of_a_large_array_is_found_by_any_number_of_threads() {
+        let mut values = vec![1.0; 1_000_003];
+        assert_eq!(first_not_finite(&values), None);
+        for at in [1_000_002, 700_001, 131_072, 131_071, 0] {
+            values[at] = f64::NAN;
+            assert_eq!(first_not_finite(&values), Some(at));
         }
     }
 
