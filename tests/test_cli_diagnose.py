@@ -33,7 +33,7 @@ def test_the_table_has_a_line_and_a_paragraph_a_track(logs, capsys):
         "state",
     ]
     assert lines[1].split()[:4] == ["track", "late_divergence", "late_divergence", "-"]
-    assert lines[3].startswith("track: late divergence, it diverges late. NIS:")
+    assert lines[3].startswith("track: late divergence, honest at first")
 
 
 def test_json_is_json_and_has_no_nan(logs, capsys):

@@ -61,6 +61,8 @@ class Correlation:
     pairs: int
     late_z: float
     """The same in standard deviations, of the second half alone."""
+    late_scale: float
+    """Mean square of the whitened innovations of the second half."""
 
     @property
     def memory(self) -> float:
@@ -72,10 +74,12 @@ class Correlation:
         """Its sign where it is significant, else 0."""
         return int(np.sign(self.z)) if self.p_value < level else 0
 
-    def lasting_sign(self, level: float) -> int:
-        """Its sign where the second half agrees: what a bad start leaves behind fades."""
+    def lasting_sign(self, level: float, high: bool) -> int:
+        """Its sign where the second half agrees with it, and is itself too large (or too small):
+        what a bad start leaves behind fades."""
         sign = self.sign(level)
-        return sign if sign * self.late_z > LASTING else 0
+        lasts = LASTING < self.late_scale < LOST if high else self.late_scale < 1 / LASTING
+        return sign if sign * self.late_z > 0 and lasts else 0
 
 
 def offsets(innovations: Innovations, memory: float = 1.0) -> list[Offset]:
@@ -169,15 +173,19 @@ CLIPPED = 3.0
 def correlation(innovations: Innovations) -> Correlation:
     """Lag-1 correlation over the components that neighbours share."""
     white, there = whitened(innovations), ~np.isnan(innovations.values)
+    half = len(white) // 2
+    late_scale = float((white[half:][there[half:]] ** 2).mean())
     most = CLIPPED * float(np.median(np.abs(white[there]))) / 0.6745
     white = np.clip(white, -most, most)
-    half = len(white) // 2
     lag1, z, pairs = _lag1(white, there)
     _, late_z, _ = _lag1(white[half:], there[half:])
-    return Correlation(lag1, z, float(laws.normal_two_sided(z)), pairs, late_z)
+    return Correlation(lag1, z, float(laws.normal_two_sided(z)), pairs, late_z, late_scale)
 
 
-LASTING = 0.5
+LASTING = 1.1
+"""Scale that the second half must exceed for a cause to be named."""
+LOST = 30.0
+"""Scale above which a filter has lost its target, and no noise explains it."""
 
 
 def _lag1(white: Floats, there: NDArray[np.bool_]) -> tuple[float, float, int]:

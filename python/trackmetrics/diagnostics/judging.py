@@ -88,7 +88,7 @@ def judge_innovations(
         verdict = "biased" if _only_an_end(nis.word) else _biased(verdict, found, clean)
     elif verdict == "consistent" and sign:
         verdict = _leaning(clean)
-    cause = _cause(verdict, white.lasting_sign(level))
+    cause = _cause(verdict, white.lasting_sign(level, high="optimistic" in verdict))
     if cause == "measurement noise too small" and _heavy_tailed(nis, level):
         cause = None
     return nis.called(verdict), InnovationFindings(tuple(biases), white, cause)

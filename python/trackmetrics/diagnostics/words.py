@@ -11,17 +11,17 @@ from trackmetrics.diagnostics.results import (
 
 MEANINGS = {
     "angle_wrap_bug": "its angles are not wrapped",
-    "late_divergence": "it diverges late",
-    "startup_then_consistent": "it starts badly and is honest afterwards",
-    "startup_then_pessimistic": "it starts badly and is pessimistic afterwards",
-    "biased": "it is biased",
-    "optimistic": "it is optimistic: its covariance is too small",
+    "late_divergence": "honest at first, then wrong to the end",
+    "startup_then_consistent": "a bad start, honest afterwards",
+    "startup_then_pessimistic": "a bad start, then a covariance that is too large",
+    "biased": "the mean of its errors is not zero",
+    "optimistic": "its covariance is too small",
     "transient": "it fails for a while and recovers",
-    "pessimistic": "it is pessimistic: its covariance is too large",
-    "partly_pessimistic": "it is pessimistic in part of the track",
-    "outliers": "it is honest apart from outliers",
+    "pessimistic": "its covariance is too large",
+    "partly_pessimistic": "its covariance is too large in part of the track",
+    "outliers": "honest apart from them",
     "non_white": "its innovations are correlated in time",
-    "consistent": "it is consistent with its covariance",
+    "consistent": "its errors are as large as its covariance says",
     "insufficient": "there is too little to judge it by",
 }
 
@@ -70,6 +70,11 @@ def quantity(verdict: QuantityVerdict, unit: str) -> str:
 _SIDES = {"high": "too large", "low": "too small", "consistent": "as claimed"}
 
 
+def _p_value(p: float) -> str:
+    """A probability; below the smallest float there is only a bound."""
+    return f"p = {number(p)}" if p > 0 else "p < 1e-300"
+
+
 def _segment(segment: Segment, unit: str) -> str:
     low, high = segment.interval
     start, stop = segment.start_time, segment.stop_time
@@ -77,7 +82,7 @@ def _segment(segment: Segment, unit: str) -> str:
     return (
         f"{begin} to {when(stop, unit)} {_SIDES[segment.label]} "
         f"(scale {number(segment.scale)} [{number(low)}, {number(high)}], "
-        f"p = {number(segment.p_value)})"
+        f"{_p_value(segment.p_value)})"
     )
 
 

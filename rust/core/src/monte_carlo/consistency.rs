@@ -66,8 +66,8 @@ fn width(batch: &Batch<'_>) -> usize {
 /// What is kept of a batch of runs; see the head of this file.
 ///
 /// # Errors
-/// [`Error::Length`] for arrays that do not fit together, [`Error::NotFinite`] for a state, and what
-/// [`quadratic_forms`] says of a covariance; each names the first run and step at fault. An innovation
+/// [`crate::Error::Length`] for arrays that do not fit together, [`crate::Error::NotFinite`] for a state, and what
+/// `quadratic_forms` says of a covariance; each names the first run and step at fault. An innovation
 /// of which any component is NaN was not measured and is left out.
 pub fn consistency_sums(batch: Batch<'_>, levels: Levels<'_>) -> Result<Sums> {
     batch.check()?;
