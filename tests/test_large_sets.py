@@ -124,3 +124,20 @@ def test_near_pairs_are_those_of_a_tree():
     found = cKDTree(x).query(y, distance_upper_bound=5)[1]
     pairs = ospa_assignment(x, y, c=5.0)
     assert (found[pairs[:, 1]] == pairs[:, 0]).all()
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_pairs_fall_as_in_scipy(d):
+    """On a grid full of ties, and where there are none."""
+    rng = np.random.default_rng(d)
+    for whole in (True, False) * 3:
+        span = {1: 900.0, 2: 40.0, 3: 14.0}[d]
+        x, y = (rng.uniform(0, span, (k, d)) for k in rng.integers(110, 260, 2))
+        if whole:
+            x, y = np.round(x), np.round(y)
+        squares = sum((a[:, None] - b) ** 2 for a, b in zip(x.T, y.T, strict=True))
+        rows, columns = linear_sum_assignment(np.minimum(squares, 9.0))
+        near = squares[rows, columns] < 9.0
+        expected = np.stack([rows, columns], axis=1)[near]
+        assert ospa_assignment(x, y, 3.0).tolist() == expected.tolist()
+        assert gospa(x, y, 3.0).assignment.tolist() == expected.tolist()

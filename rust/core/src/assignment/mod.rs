@@ -5,6 +5,7 @@ pub mod batch;
 pub mod bottleneck;
 mod columns;
 pub mod dense;
+pub(crate) mod exchange;
 mod paths;
 pub mod sparse;
 mod start;

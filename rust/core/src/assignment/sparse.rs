@@ -15,6 +15,7 @@
 //!
 //! Cost: about linear in the number of pairs while rows have a few each.
 
+use crate::assignment::exchange::{Graph, TOLERANCE};
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use std::cmp::Ordering;
@@ -49,24 +50,35 @@ impl Pairs {
 }
 
 /// A matching of least cost.
-#[derive(Debug)]
-pub struct Matching {
+pub struct Matching<'a>(Search<'a>);
+
+impl Matching<'_> {
     /// The column of each row, [`NONE`] for one that stays alone.
-    pub column_of_row: Vec<u32>,
+    pub fn column_of_row(&self) -> &[u32] {
+        &self.0.column_of_row
+    }
+
     /// The cost of each row's pair, or the price of staying alone.
-    pub cost_of_row: Vec<f64>,
+    pub fn cost_of_row(&self) -> &[f64] {
+        &self.0.cost_of_row
+    }
+
+    /// Whether no other matching costs as little, within rounding.
+    pub fn is_unique(&self) -> bool {
+        self.0.is_unique()
+    }
 }
 
 /// Matches rows with `columns` columns, or leaves them alone at a price.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
-pub fn solve(
-    pairs: &Pairs,
+pub fn solve<'a>(
+    pairs: &'a Pairs,
     columns: usize,
     alone: f64,
     interrupt: &Interrupt<'_>,
-) -> Result<Matching> {
+) -> Result<Matching<'a>> {
     let mut search = Search::new(pairs, columns, alone);
     let conflicts: Vec<usize> = (0..pairs.rows()).filter(|&row| !search.enter(row)).collect();
     for (count, row) in conflicts.into_iter().enumerate() {
@@ -77,8 +89,7 @@ pub fn solve(
         search.update_duals(row, length);
         search.augment(row, end);
     }
-    let Search { column_of_row, cost_of_row, .. } = search;
-    Ok(Matching { column_of_row, cost_of_row })
+    Ok(Matching(search))
 }
 
 struct Search<'a> {
@@ -183,6 +194,40 @@ impl<'a> Search<'a> {
         *owner = row as u32;
         (self.column_of_row[row], self.cost_of_row[row]) = (cheapest, least);
         true
+    }
+
+    /// Whether no cycle of pairs can be exchanged for nothing.
+    fn is_unique(&self) -> bool {
+        let mut graph = Graph::default();
+        let outside = self.row_dual.len() as u32;
+        for row in 0..outside {
+            let before = graph.edges.len();
+            self.add_edges(row, outside, &mut graph);
+            if graph.edges.len() > before {
+                graph.rows.push(row);
+                let own = self.column_of_row[row as usize];
+                if own == NONE || self.columns[own as usize].dual >= -TOLERANCE * self.alone {
+                    graph.edges.push([outside, row]);
+                }
+            }
+        }
+        graph.edges.is_empty() || graph.has_no_cycle(outside as usize + 1)
+    }
+
+    /// The exchanges that a row could begin.
+    fn add_edges(&self, row: u32, outside: u32, graph: &mut Graph) {
+        let own = self.column_of_row[row as usize];
+        let reach = self.row_dual[row as usize] + TOLERANCE * self.alone;
+        if own != NONE && reach >= self.alone {
+            graph.edges.push([row, outside]);
+        }
+        for (j, cost) in self.pairs.of(row as usize) {
+            let column = &self.columns[j as usize];
+            if j != own && cost - column.dual <= reach {
+                let owner = column.row;
+                graph.edges.push([row, if owner == NONE { outside } else { owner }]);
+            }
+        }
     }
 
     /// The cheapest way to find room for `row`, and its length.
@@ -313,8 +358,8 @@ mod tests {
             let mut work = dense::Workspace::default();
             let expected = dense::solve(&dense, rows, columns, &mut work).unwrap();
             let total: f64 = expected.iter().enumerate().map(|(i, j)| dense[i * columns + j]).sum();
-            assert_eq!(found.cost_of_row.iter().sum::<f64>(), total, "{seed}");
-            let mut used: Vec<u32> = found.column_of_row.clone();
+            assert_eq!(found.cost_of_row().iter().sum::<f64>(), total, "{seed}");
+            let mut used = found.column_of_row().to_vec();
             used.retain(|&j| j != NONE);
             used.sort_unstable();
             assert!(used.windows(2).all(|pair| pair[0] < pair[1]));

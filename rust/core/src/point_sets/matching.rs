@@ -13,7 +13,7 @@
 //! Cost: O(rows x columns) and as much again for each conflict and each row on its path.
 
 use super::rows::{Lowest, PADDING};
-use super::unique::Graph;
+use crate::assignment::exchange::Graph;
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use pulp::Simd;

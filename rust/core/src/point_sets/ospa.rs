@@ -157,8 +157,8 @@ pub(super) fn check_sequences(x: Frames, y: Frames) -> Result<()> {
     Ok(())
 }
 
-/// Pieces worth a thread: measured, handing one over costs about as much as 100 000 pairs of points
-/// take, and a frame without any costs as much as 40 pairs.
+/// A piece is the time of about 100 000 pairs of points, some 100 us: tens of times what handing it
+/// to a thread costs. A frame without any pair takes as long as 40.
 pub(super) fn frames_per_piece(x: Frames, y: Frames) -> usize {
     const PAIRS: usize = 100_000;
     let frames = x.len().max(1);
@@ -265,15 +265,18 @@ fn of_large_frame(
     cutoff: &Cutoff,
     interrupt: &Interrupt<'_>,
 ) -> Result<Option<Ospa>> {
-    let Some(large) = large::solve(sets, cutoff, interrupt)? else {
-        return Ok(None);
-    };
     let (m, n) = sets.sizes();
-    let result = from_total(large.total, m, n, cutoff);
-    let is_zero = || large.pairs.iter().all(|&(i, j)| sets.distance(i, j) == 0.0);
-    let is_exact =
-        total_is_exact(large.total, result.localization) || (large.total == 0.0 && is_zero());
-    Ok((is_exact && (m == n || missing_is_exact(cutoff))).then_some(result))
+    let result = large::solve(sets, cutoff, interrupt, |large| {
+        let total = large.total();
+        let result = from_total(total, m, n, cutoff);
+        let is_zero = || total == 0.0 && large.pairs().all(|(i, j)| sets.distance(i, j) == 0.0);
+        let is_exact = total_is_exact(total, result.localization) || is_zero();
+        (is_exact && (m == n || missing_is_exact(cutoff))).then_some(result)
+    })?;
+    match result {
+        Some(None) => extreme::ospa(sets, cutoff, interrupt).map(Some),
+        found => Ok(found.flatten()),
+    }
 }
 
 /// The least total cost of matching every row with a column; not more rows than columns.

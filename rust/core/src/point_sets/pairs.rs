@@ -39,12 +39,18 @@ pub(super) fn least_total<S: Simd>(
         by_hand(sets, cutoff, work, pairs, interrupt)?;
         return Ok(sum(sets, cutoff, pairs));
     }
-    if m.max(n) >= large::SMALLEST
-        && let Some(large) = large::solve(sets, cutoff, interrupt)?
-    {
-        *pairs = large.pairs;
-        pairs.sort_unstable();
-        return Ok(sum(sets, cutoff, pairs));
+    if m.max(n) >= large::SMALLEST {
+        let has_ties = large::solve(sets, cutoff, interrupt, |large| {
+            pairs.extend(large.pairs());
+            large.has_ties((m, n))
+        })?;
+        if has_ties == Some(true) {
+            in_order(sets, cutoff, &mut work.exact, pairs, interrupt)?;
+        }
+        if has_ties.is_some() {
+            pairs.sort_unstable();
+            return Ok(sum(sets, cutoff, pairs));
+        }
     }
     let (most, matching, is_flipped) = (cutoff.most(), &mut work.matching, m > n);
     let wide = if is_flipped { sets.flipped() } else { sets };
@@ -85,6 +91,7 @@ fn in_order(
     pairs: &mut Vec<Pair>,
     interrupt: &Interrupt<'_>,
 ) -> Result<()> {
+    pairs.clear();
     let costs = matrix(sets, |i, j| sets.cost(i, j, cutoff))?;
     let (m, n) = sets.sizes();
     let columns = dense::solve_until(&costs, m, n, Goal::Least, interrupt, work)?;

@@ -1,31 +1,12 @@
-//! Whether the matching that was found is the only one of least cost.
-//!
-//! With duals `u` of rows and `v` of columns, a pair that is not matched can replace others only
-//! where its reduced cost `C - u - v` vanishes. Such pairs, within a tolerance, are the edges of a
-//! graph: from row i to the row that has the column, or to the outside where the column is free or
-//! where i could as well stay alone; and from the outside to every row that could give up its
-//! column, or its being alone, for nothing. Another matching of the same cost is a cycle in this
-//! graph, so that without one there is no other.
+//! Whether the matching that was found is the only one of least cost: see
+//! [`exchange`](crate::assignment::exchange).
 //!
 //! Pairs at the cutoff or beyond do not count: they cost what staying alone costs, and are not
 //! pairs.
 
 use super::matching::{ALONE, NONE, Workspace};
+use crate::assignment::exchange::{Graph, TOLERANCE};
 use pulp::Simd;
-
-/// Relative to the largest cost: what rounding can hide.
-const TOLERANCE: f64 = 1e-12;
-
-/// The edges of the graph, and how many of them lead to each row and to the outside.
-#[derive(Debug, Default)]
-pub(super) struct Graph {
-    /// The rows that have an edge: without one there is no way round.
-    rows: Vec<u32>,
-    edges: Vec<[u32; 2]>,
-    into: Vec<u32>,
-    /// What has no edge into it any more.
-    loose: Vec<u32>,
-}
 
 impl Workspace {
     /// Whether no other matching costs as little, `alone` being finite.
@@ -104,30 +85,5 @@ impl Workspace {
                 graph.edges.push([row as u32, if owner == NONE { outside } else { owner }]);
             }
         }
-    }
-}
-
-impl Graph {
-    /// Takes away what no edge leads to, with its edges, until none is left or a cycle.
-    fn has_no_cycle(&mut self, nodes: usize) -> bool {
-        self.edges.sort_unstable();
-        self.into.clear();
-        self.into.resize(nodes, 0);
-        self.edges.iter().for_each(|edge| self.into[edge[1] as usize] += 1);
-        self.loose.clear();
-        let sources = self.rows.iter().copied().chain([nodes as u32 - 1]);
-        self.loose.extend(sources.filter(|&node| self.into[node as usize] == 0));
-        let mut gone = 0;
-        while let Some(node) = self.loose.pop() {
-            let first = self.edges.partition_point(|edge| edge[0] < node);
-            for edge in self.edges[first..].iter().take_while(|edge| edge[0] == node) {
-                gone += 1;
-                self.into[edge[1] as usize] -= 1;
-                if self.into[edge[1] as usize] == 0 {
-                    self.loose.push(edge[1]);
-                }
-            }
-        }
-        gone == self.edges.len()
     }
 }
