@@ -121,7 +121,7 @@ class Tally:
 def accumulator_kinds() -> Mapping[str, type[Accumulator]]:
     """Every accumulator by its kind."""
     found: dict[str, type[Accumulator]] = {}
-    open_kinds = [Accumulator]
+    open_kinds: list[Any] = [Accumulator]
     while open_kinds:
         for kind in open_kinds.pop().__subclasses__():
             found[kind.kind] = kind
