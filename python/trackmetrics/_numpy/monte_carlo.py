@@ -100,7 +100,8 @@ def _columns(e: Floats, variances: Floats, q: Floats, decibels: float) -> Floats
     of_forms = np.where(absent, 0.0, of_forms)
     of_states = np.where(absent[..., None], 0.0, of_states)
     runs, steps, d = e.shape
-    blocks = [of_forms.reshape(runs, 4 * steps), of_states.reshape(runs, 3 * steps * d)]
+    by_state = of_states.swapaxes(2, 3).reshape(runs, 3 * d * steps)
+    blocks = [of_forms.reshape(runs, 4 * steps), by_state]
     return np.concatenate(blocks, 1)
 
 

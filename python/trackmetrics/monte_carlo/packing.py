@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAGIC = b"trackmetrics\n"
-VERSION = 1
+VERSION = 2
 _FIXED = struct.Struct("<HIQ")
 
 

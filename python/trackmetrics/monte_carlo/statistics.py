@@ -76,7 +76,8 @@ class FormStatistics:
         steps, n = len(runs), runs.astype(np.float64)
         with np.errstate(invalid="ignore", divide="ignore"):
             forms = row[: 4 * steps].reshape(4, steps) / n
-            e, squares, normalised = row[4 * steps :].reshape(3, steps, d) / n[:, None]
+            of_states = row[4 * steps :].reshape(3, d, steps) / n
+            e, squares, normalised = of_states.swapaxes(1, 2).copy()
             spread = np.sqrt(np.maximum(forms[1] - forms[0] ** 2, 0.0) * (n / (n - 1)) / (2 * d))
         shares = under[1:] / np.where(runs > 0, n, np.nan)
         decibels, variance, expected = _honest(d)

@@ -6,7 +6,7 @@
 //! loaded and transposed in registers, in blocks of four elements.
 
 use crate::simd::{Width, limit};
-use pulp::{Simd, WithSimd};
+use pulp::{Simd, WithSimd, bytemuck};
 #[cfg(target_arch = "x86_64")]
 use pulp::{
     cast,
@@ -16,11 +16,30 @@ use pulp::{
 /// The most lanes that a vector has.
 pub const MOST: usize = 8;
 
+/// The lanes of a vector.
+#[inline(always)]
+pub(crate) fn lanes<V: bytemuck::Pod>(vector: &mut V) -> &mut [f64] {
+    bytemuck::cast_slice_mut(std::slice::from_mut(vector))
+}
+
+/// Writes as many lanes as there is room for.
+#[inline(always)]
+pub(crate) fn store<V: bytemuck::Pod>(mut vector: V, room: &mut [f64]) {
+    let values = lanes(&mut vector);
+    match room.len() == values.len() {
+        true => room.copy_from_slice(values),
+        false => room.iter_mut().zip(values).for_each(|(to, x)| *to = *x),
+    }
+}
+
 /// Loads records transposed.
 pub trait Load<S: Simd>: Copy {
     /// Element `i` of record `l` into lane `l` of `vectors[i]`, for as many records as there are
     /// lanes. The records have as many elements as there are vectors.
     fn load(self, simd: S, records: &[f64], vectors: &mut [S::f64s]);
+
+    /// The same of the first `count` records; the lanes beyond repeat the last.
+    fn load_some(self, simd: S, records: &[f64], count: usize, vectors: &mut [S::f64s]);
 
     /// Asks the memory for records that will soon be loaded.
     #[inline(always)]
@@ -99,13 +118,16 @@ struct Each;
 impl<S: Simd> Load<S> for Each {
     #[inline(always)]
     fn load(self, simd: S, records: &[f64], vectors: &mut [S::f64s]) {
+        self.load_some(simd, records, S::F64_LANES, vectors);
+    }
+
+    #[inline(always)]
+    fn load_some(self, _: S, records: &[f64], count: usize, vectors: &mut [S::f64s]) {
         let size = vectors.len();
         for (i, vector) in vectors.iter_mut().enumerate() {
-            let mut column = [0.0; MOST];
-            for (l, value) in column[..S::F64_LANES].iter_mut().enumerate() {
-                *value = records[l * size + i];
+            for (l, value) in lanes(vector).iter_mut().enumerate() {
+                *value = records[l.min(count - 1) * size + i];
             }
-            *vector = simd.partial_load_f64s(&column[..S::F64_LANES]);
         }
     }
 }
@@ -136,23 +158,35 @@ impl Load<V3> for Transposed {
             [*x, *y, *z, _] = transpose4(simd, &rows.each_ref().map(std::slice::from_ref), 0);
             return;
         }
-        let rows = rows::<4>(records, size);
-        let fours = rows.map(|row| row.as_chunks::<4>().0);
-        let mut blocks = vectors.chunks_exact_mut(4);
-        for (b, block) in (&mut blocks).enumerate() {
-            block.copy_from_slice(&transpose4(simd, &fours, b));
-        }
-        let rest = blocks.into_remainder();
-        if size > 4 && rest.len() > 1 {
-            // One block more, over the last four: it repeats elements of the block before.
-            let fours = rows.map(|row| row.as_rchunks::<4>().1);
-            let last = transpose4(simd, &fours, size / 4 - 1);
-            rest.copy_from_slice(&last[4 - rest.len()..]);
-        } else {
-            for (k, vector) in rest.iter_mut().enumerate() {
-                let [a, b, c, d] = rows.map(|row| row[size / 4 * 4 + k]);
-                *vector = cast(simd.avx._mm256_setr_pd(a, b, c, d));
-            }
+        transpose_rows4(simd, &rows::<4>(records, size, 4), vectors);
+    }
+
+    #[inline(always)]
+    fn load_some(self, simd: V3, records: &[f64], count: usize, vectors: &mut [pulp::f64x4]) {
+        transpose_rows4(simd, &rows::<4>(records, vectors.len(), count), vectors);
+    }
+}
+
+/// Transposes rows as long as there are vectors.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn transpose_rows4(simd: V3, rows: &[&[f64]; 4], vectors: &mut [pulp::f64x4]) {
+    let size = vectors.len();
+    let fours = rows.map(|row| row.as_chunks::<4>().0);
+    let mut blocks = vectors.chunks_exact_mut(4);
+    for (b, block) in (&mut blocks).enumerate() {
+        block.copy_from_slice(&transpose4(simd, &fours, b));
+    }
+    let rest = blocks.into_remainder();
+    if size > 4 && rest.len() > 1 {
+        // One block more, over the last four: it repeats elements of the block before.
+        let fours = rows.map(|row| row.as_rchunks::<4>().1);
+        let last = transpose4(simd, &fours, size / 4 - 1);
+        rest.copy_from_slice(&last[4 - rest.len()..]);
+    } else {
+        for (k, vector) in rest.iter_mut().enumerate() {
+            let [a, b, c, d] = rows.map(|row| row[size / 4 * 4 + k]);
+            *vector = cast(simd.avx._mm256_setr_pd(a, b, c, d));
         }
     }
 }
@@ -178,22 +212,34 @@ impl Load<V4> for Transposed {
             [*x, *y, *z, _] = transpose8(simd, &rows.each_ref().map(std::slice::from_ref), 0);
             return;
         }
-        let rows = rows::<8>(records, size);
-        let fours = rows.map(|row| row.as_chunks::<4>().0);
-        let mut blocks = vectors.chunks_exact_mut(4);
-        for (b, block) in (&mut blocks).enumerate() {
-            block.copy_from_slice(&transpose8(simd, &fours, b));
-        }
-        let rest = blocks.into_remainder();
-        if size > 4 && rest.len() > 1 {
-            let fours = rows.map(|row| row.as_rchunks::<4>().1);
-            let last = transpose8(simd, &fours, size / 4 - 1);
-            rest.copy_from_slice(&last[4 - rest.len()..]);
-        } else {
-            for (k, vector) in rest.iter_mut().enumerate() {
-                let [a, b, c, d, e, f, g, h] = rows.map(|row| row[size / 4 * 4 + k]);
-                *vector = cast(simd.avx512f._mm512_setr_pd(a, b, c, d, e, f, g, h));
-            }
+        transpose_rows8(simd, &rows::<8>(records, size, 8), vectors);
+    }
+
+    #[inline(always)]
+    fn load_some(self, simd: V4, records: &[f64], count: usize, vectors: &mut [pulp::f64x8]) {
+        transpose_rows8(simd, &rows::<8>(records, vectors.len(), count), vectors);
+    }
+}
+
+/// Transposes rows as long as there are vectors.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn transpose_rows8(simd: V4, rows: &[&[f64]; 8], vectors: &mut [pulp::f64x8]) {
+    let size = vectors.len();
+    let fours = rows.map(|row| row.as_chunks::<4>().0);
+    let mut blocks = vectors.chunks_exact_mut(4);
+    for (b, block) in (&mut blocks).enumerate() {
+        block.copy_from_slice(&transpose8(simd, &fours, b));
+    }
+    let rest = blocks.into_remainder();
+    if size > 4 && rest.len() > 1 {
+        let fours = rows.map(|row| row.as_rchunks::<4>().1);
+        let last = transpose8(simd, &fours, size / 4 - 1);
+        rest.copy_from_slice(&last[4 - rest.len()..]);
+    } else {
+        for (k, vector) in rest.iter_mut().enumerate() {
+            let [a, b, c, d, e, f, g, h] = rows.map(|row| row[size / 4 * 4 + k]);
+            *vector = cast(simd.avx512f._mm512_setr_pd(a, b, c, d, e, f, g, h));
         }
     }
 }
@@ -211,12 +257,13 @@ fn rows_of_three<const N: usize>(records: &[f64]) -> [[f64; 4]; N] {
     rows
 }
 
-/// The first `N` records.
+/// The first `count` records, the last of them repeated.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn rows<const N: usize>(records: &[f64], size: usize) -> [&[f64]; N] {
+fn rows<const N: usize>(records: &[f64], size: usize, count: usize) -> [&[f64]; N] {
     let mut rows = [&records[..0]; N];
     for (l, row) in rows.iter_mut().enumerate() {
+        let l = l.min(count - 1);
         *row = &records[l * size..(l + 1) * size];
     }
     rows

@@ -9,7 +9,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::judge::doubtful_pivot;
-use crate::lanes::{Load, MOST, WithLanes};
+use crate::lanes::{Load, WithLanes, store};
 use crate::simd::Width;
 use pulp::Simd;
 
@@ -31,46 +31,36 @@ pub(super) struct Forms<'a, const D: usize, const E: usize> {
     pub(super) output: &'a mut [f64],
 }
 
+/// From five dimensions on a covariance does not fit into registers, and half as many at a time are as
+/// fast on Intel and faster on AMD.
+pub(crate) const fn widest(dimension: usize) -> Width {
+    if dimension < 5 { Width::Widest } else { Width::V3 }
+}
+
 impl<const D: usize, const E: usize> WithLanes for Forms<'_, D, E> {
     /// Whether no lane was left in doubt.
     type Output = bool;
 
-    /// From five dimensions on a covariance does not fit into registers, and half as many at a time
-    /// are as fast on Intel and faster on AMD.
-    const WIDEST: Width = if D < 5 { Width::Widest } else { Width::V3 };
+    const WIDEST: Width = widest(D);
 
     #[inline(always)]
     fn with_lanes<S: Simd, L: Load<S>>(self, simd: S, load: L) -> bool {
         let Self { first, second, matrices, symmetry, output } = self;
-        let zero = simd.splat_f64s(0.0);
-        let (p, z, y) = (Aligned([[zero; D]; D]), Aligned([zero; D]), Aligned([zero; D]));
-        let mut block = Block { simd, load, symmetry, p, z, y };
-        let whole = output.len() / S::F64_LANES * S::F64_LANES;
-        let (blocks, rest) = output.split_at_mut(whole);
+        let mut block = Block::<S, L, D>::new(simd, load, symmetry);
         let mut total = simd.splat_f64s(0.0);
-        for (b, output) in blocks.chunks_exact_mut(S::F64_LANES).enumerate() {
+        for (b, output) in output.chunks_mut(S::F64_LANES).enumerate() {
             let k = b * S::F64_LANES;
             let second = second.map(|values| &values[k * D..]);
-            let forms = block.forms(&first[k * D..], second, matrices.from(k * E));
+            let forms = block.forms(&first[k * D..], second, matrices.from(k * E), output.len());
             total = simd.add_f64s(total, forms);
-            simd.partial_store_f64s(output, forms);
-        }
-        if !rest.is_empty() {
-            let first = padded::<D>(&first[whole * D..], rest.len());
-            let second = second.map(|values| padded::<D>(&values[whole * D..], rest.len()));
-            let mut own = [[0.0; E]; MOST];
-            let matrices = matrices.from(whole * E).padded(rest.len(), &mut own);
-            let second = second.as_ref().map(|values| values.as_flattened());
-            let forms = block.forms(first.as_flattened(), second, matrices);
-            total = simd.add_f64s(total, forms);
-            simd.partial_store_f64s(rest, forms);
+            store(forms, output);
         }
         // One NaN makes the sum NaN.
         simd.reduce_sum_f64s(total).is_finite()
     }
 }
 
-impl<'a> Matrices<'a> {
+impl Matrices<'_> {
     #[inline(always)]
     fn from(self, element: usize) -> Self {
         match self {
@@ -78,33 +68,6 @@ impl<'a> Matrices<'a> {
             shared => shared,
         }
     }
-
-    fn padded<'b, const E: usize>(
-        self,
-        count: usize,
-        buffer: &'b mut [[f64; E]; MOST],
-    ) -> Matrices<'b>
-    where
-        'a: 'b,
-    {
-        match self {
-            Self::Own(p) => {
-                *buffer = padded::<E>(p, count);
-                Matrices::Own(buffer.as_flattened())
-            }
-            shared => shared,
-        }
-    }
-}
-
-/// The last records, the first of them repeated until every lane has one.
-fn padded<const E: usize>(records: &[f64], count: usize) -> [[f64; E]; MOST] {
-    let mut buffer = [[0.0; E]; MOST];
-    for (l, record) in buffer.iter_mut().enumerate() {
-        let k = if l < count { l } else { 0 };
-        record.copy_from_slice(&records[k * E..(k + 1) * E]);
-    }
-    buffer
 }
 
 /// How many elements ahead the memory is asked for covariances: it does not see by itself that rows
@@ -113,10 +76,10 @@ const AHEAD: usize = 1024;
 
 /// Starts a cache line: a vector across two lines costs twice, and is slow to read again.
 #[repr(align(64))]
-struct Aligned<T>(T);
+pub(crate) struct Aligned<T>(pub(crate) T);
 
 /// As many residuals as there are lanes, and what they are computed with.
-struct Block<S: Simd, L, const D: usize> {
+pub(crate) struct Block<S: Simd, L, const D: usize> {
     simd: S,
     load: L,
     symmetry: f64,
@@ -129,30 +92,77 @@ struct Block<S: Simd, L, const D: usize> {
 }
 
 impl<S: Simd, L: Load<S>, const D: usize> Block<S, L, D> {
-    /// The forms of as many residuals as there are lanes.
     #[inline(always)]
-    fn forms(&mut self, first: &[f64], second: Option<&[f64]>, matrices: Matrices) -> S::f64s {
-        self.load.load(self.simd, first, &mut self.z.0);
-        if let Some(second) = second {
-            self.load.load(self.simd, second, &mut self.y.0);
-            for i in 0..D {
-                self.z.0[i] = self.simd.sub_f64s(self.z.0[i], self.y.0[i]);
-            }
-        }
+    pub(crate) fn new(simd: S, load: L, symmetry: f64) -> Self {
+        let zero = simd.splat_f64s(0.0);
+        let (p, z, y) = (Aligned([[zero; D]; D]), Aligned([zero; D]), Aligned([zero; D]));
+        Self { simd, load, symmetry, p, z, y }
+    }
+
+    /// The forms of the first `count` residuals, at most as many as there are lanes.
+    #[inline(always)]
+    fn forms(
+        &mut self,
+        first: &[f64],
+        second: Option<&[f64]>,
+        matrices: Matrices,
+        count: usize,
+    ) -> S::f64s {
+        self.load_residuals(first, second, count);
         match matrices {
-            Matrices::Own(p) => self.own(p),
+            Matrices::Own(p) => {
+                self.load_covariances(p, count);
+                self.own(&p[AHEAD.min(p.len())..])
+            }
             Matrices::Shared { lower, inverses } => self.shared(lower, inverses),
         }
     }
 
-    /// With a covariance each.
+    /// The first `count` residuals, or the difference of two.
     #[inline(always)]
-    fn own(&mut self, p: &[f64]) -> S::f64s {
+    pub(crate) fn load_residuals(&mut self, first: &[f64], second: Option<&[f64]>, count: usize) {
+        self.load(first, count, |block| &mut block.z.0);
+        if let Some(second) = second {
+            self.load(second, count, |block| &mut block.y.0);
+            for i in 0..D {
+                self.z.0[i] = self.simd.sub_f64s(self.z.0[i], self.y.0[i]);
+            }
+        }
+    }
+
+    /// The first `count` covariances.
+    #[inline(always)]
+    pub(crate) fn load_covariances(&mut self, p: &[f64], count: usize) {
+        self.load(p, count, |block| block.p.0.as_flattened_mut());
+    }
+
+    #[inline(always)]
+    fn load(&mut self, records: &[f64], count: usize, to: impl Fn(&mut Self) -> &mut [S::f64s]) {
+        let (simd, load) = (self.simd, self.load);
+        match count == S::F64_LANES {
+            true => load.load(simd, records, to(self)),
+            false => load.load_some(simd, records, count, to(self)),
+        }
+    }
+
+    /// The residuals that were loaded.
+    #[inline(always)]
+    pub(crate) fn residuals(&mut self) -> &mut [S::f64s; D] {
+        &mut self.z.0
+    }
+
+    /// The diagonals of the covariances that were loaded.
+    #[inline(always)]
+    pub(crate) fn variances(&self) -> [S::f64s; D] {
+        std::array::from_fn(|j| self.p.0[j][j])
+    }
+
+    /// The forms of what was loaded, with a covariance each; NaN where there is doubt. The memory is
+    /// asked for the covariances `next` meanwhile.
+    #[inline(always)]
+    pub(crate) fn own(&mut self, next: &[f64]) -> S::f64s {
         let simd = self.simd;
-        let size = S::F64_LANES * D * D;
-        let ahead = AHEAD.min(p.len() - size);
-        let (next, share) = (&p[ahead..ahead + size], S::F64_LANES * D);
-        self.load.load(simd, p, self.p.0.as_flattened_mut());
+        let share = S::F64_LANES * D;
         let mut fair = self.average();
         let mut form = simd.splat_f64s(0.0);
         let least = simd.splat_f64s(doubtful_pivot(D));
@@ -166,7 +176,8 @@ impl<S: Simd, L: Load<S>, const D: usize> Block<S, L, D> {
                 fair = simd.and_m64s(fair, simd.greater_than_f64s(self.p.0[$j][$j], bounds[$j]));
                 form = self.eliminate($j, form);
                 // A share at a time: all at once would wait for each other.
-                self.load.fetch(simd, &next[$j * share..($j + 1) * share]);
+                let next = next.get($j * share..($j + 1) * share).unwrap_or_default();
+                self.load.fetch(simd, next);
             } )* };
         }
         eliminate!(0 1 2 3 4 5 6 7 8);

@@ -1,5 +1,5 @@
 //! Quadratic forms of many small covariances.
 
 mod judge;
-mod lanes;
+pub(crate) mod lanes;
 pub mod quadratic_form;

@@ -1,10 +1,8 @@
-//! A batch of runs as it comes, and the errors and quadratic forms of a few of them at a time.
+//! A batch of runs as it comes, and the quadratic forms of some of them with every check.
 
 use crate::arrays::Array;
 use crate::consistency::quadratic_form::{Residuals, Rules, quadratic_forms};
 use crate::error::{Error, Result};
-use crate::simd;
-use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// The errors of a batch of runs.
@@ -56,17 +54,6 @@ impl Batch<'_> {
         require(covariances, self.covariances.len(), truth, states * d)
     }
 
-    /// Truth less estimates, angles wrapped.
-    fn errors(&self, first: usize, runs: usize) -> Vec<f64> {
-        let states = self.states(first, runs);
-        let mut errors = self.truth[states.clone()].to_vec();
-        if let Some(estimates) = self.estimates {
-            simd::dispatch(Subtract { errors: &mut errors, estimates: &estimates[states] });
-        }
-        wrap(&mut errors, self.periods);
-        errors
-    }
-
     /// Where the states of some runs stand.
     fn states(&self, first: usize, runs: usize) -> Range<usize> {
         let size = self.steps * self.dimension();
@@ -79,8 +66,8 @@ impl Batch<'_> {
         states.start * self.dimension()..states.end * self.dimension()
     }
 
-    /// The forms of some runs.
-    fn forms(&self, first: usize, runs: usize) -> Result<Vec<f64>> {
+    /// The forms of some runs, NaN for what was not measured.
+    pub(super) fn forms(&self, first: usize, runs: usize) -> Result<Vec<f64>> {
         let (truth, covariances) =
             (&self.truth[self.states(first, runs)], &self.covariances[self.matrices(first, runs)]);
         let forms = match self.estimates {
@@ -155,20 +142,6 @@ fn later(mut error: Error, first: usize) -> Error {
     error
 }
 
-struct Subtract<'a> {
-    errors: &'a mut [f64],
-    estimates: &'a [f64],
-}
-
-impl WithSimd for Subtract<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        self.errors.iter_mut().zip(self.estimates).for_each(|(error, x)| *error -= x);
-    }
-}
-
 fn require(
     argument: &'static str,
     found: usize,
@@ -178,58 +151,5 @@ fn require(
     match found == expected {
         true => Ok(()),
         false => Err(Error::Length { argument, found, other, expected, unit: "numbers" }),
-    }
-}
-
-/// Angles into (-period / 2, period / 2].
-fn wrap(errors: &mut [f64], periods: &[f64]) {
-    for (j, &period) in periods.iter().enumerate().filter(|(_, period)| **period > 0.0) {
-        for error in errors.iter_mut().skip(j).step_by(periods.len()) {
-            *error -= period * (*error / period - 0.5).ceil();
-        }
-    }
-}
-
-/// Errors and forms of a few runs.
-pub(super) struct Group<'a> {
-    batch: &'a Batch<'a>,
-    first: usize,
-    errors: Vec<f64>,
-    forms: Vec<f64>,
-}
-
-/// One run; a form that is NaN was not measured.
-pub(super) struct Run<'a> {
-    pub(super) d: usize,
-    pub(super) errors: &'a [f64],
-    pub(super) covariances: &'a [f64],
-    pub(super) forms: &'a [f64],
-}
-
-impl<'a> Group<'a> {
-    /// The runs `first .. first + runs` of the batch.
-    pub(super) fn new(batch: &'a Batch<'a>, first: usize, runs: usize) -> Result<Self> {
-        let (errors, forms) = (batch.errors(first, runs), batch.forms(first, runs)?);
-        Ok(Self { batch, first, errors, forms })
-    }
-
-    /// The runs, one by one.
-    pub(super) fn runs(&self) -> impl Iterator<Item = Run<'_>> {
-        let (d, steps) = (self.batch.dimension(), self.batch.steps);
-        (0..self.errors.len() / (steps * d).max(1)).map(move |i| Run {
-            d,
-            errors: &self.errors[i * steps * d..(i + 1) * steps * d],
-            covariances: &self.batch.covariances[self.batch.matrices(self.first + i, 1)],
-            forms: &self.forms[i * steps..(i + 1) * steps],
-        })
-    }
-}
-
-impl Run<'_> {
-    /// The error, the covariance and the form of each step.
-    pub(super) fn steps(&self) -> impl Iterator<Item = (&[f64], &[f64], f64)> {
-        let pairs = self.errors.chunks_exact(self.d);
-        let pairs = pairs.zip(self.covariances.chunks_exact(self.d * self.d));
-        pairs.zip(self.forms).map(|((error, covariance), &form)| (error, covariance, form))
     }
 }

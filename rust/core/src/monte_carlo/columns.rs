@@ -1,61 +1,87 @@
-//! The columns of one run: elementwise work over its steps, compiled for the width of the machine.
+//! The columns of a run: elementwise work on as many of its steps as there are lanes.
 
-use pulp::{Simd, WithSimd};
+use crate::lanes::lanes;
+use pulp::{Simd, WithSimd, bytemuck};
 
-/// Fills the row of one run; every slice is a block of the row or of its sources, steps first.
-pub(super) struct Fill<'a> {
-    /// q of each step.
-    pub(super) forms: &'a [f64],
-    /// The errors, `(steps, d)`.
-    pub(super) errors: &'a [f64],
-    /// The covariances, `(steps, d, d)`.
-    pub(super) covariances: &'a [f64],
-    /// States.
-    pub(super) d: usize,
-    /// The expectation of 10 log10 q.
-    pub(super) decibels: f64,
-    /// What is filled: q, q^2, b, |b - E b| of each step, then e, e^2, e / sqrt(P_jj).
-    pub(super) row: &'a mut [f64],
+/// Columns of each step that do not belong to one state.
+pub const FORM_COLUMNS: usize = 4;
+/// Columns of each state.
+pub const STATE_COLUMNS: usize = 3;
+
+/// As many steps of one run as there are lanes.
+pub(super) struct Steps<'a, S: Simd> {
+    /// The errors, state by state.
+    pub(super) errors: &'a [S::f64s],
+    /// Their variances.
+    pub(super) variances: &'a [S::f64s],
+    /// q.
+    pub(super) forms: S::f64s,
+    /// The lanes with a step that counts.
+    pub(super) counted: S::m64s,
 }
 
-impl WithSimd for Fill<'_> {
-    type Output = ();
-
+impl<S: Simd> Steps<'_, S> {
+    /// Puts q, q^2, b and |b - E b|, then e, e^2 and e / sqrt(P_jj), each over the states; 0 for what
+    /// does not count.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let steps = self.forms.len();
-        let (of_forms, of_states) = self.row.split_at_mut(4 * steps);
-        let (q, rest) = of_forms.split_at_mut(steps);
-        let (squares, rest) = rest.split_at_mut(steps);
-        let (b, distances) = rest.split_at_mut(steps);
-        q.copy_from_slice(self.forms);
-        for (square, x) in squares.iter_mut().zip(self.forms) {
-            *square = x * x;
+    pub(super) fn columns(&self, simd: S, expected: f64, mut node: Node<'_, S>) {
+        let Self { errors, variances, forms, .. } = *self;
+        let b = decibels(forms);
+        let distance = simd.abs_f64s(simd.sub_f64s(b, simd.splat_f64s(expected)));
+        let of_forms = [forms, simd.mul_f64s(forms, forms), b, distance];
+        for (column, x) in of_forms.into_iter().enumerate() {
+            node.put(simd, column, self.counted_or_zero(simd, x));
         }
-        for ((b, distance), &x) in b.iter_mut().zip(distances).zip(self.forms) {
-            *b = DECIBELS * ln(x);
-            *distance = (*b - self.decibels).abs();
+        let d = errors.len();
+        for (j, (&e, &variance)) in errors.iter().zip(variances).enumerate() {
+            let normalised = simd.div_f64s(e, simd.sqrt_f64s(variance));
+            for (block, x) in [e, simd.mul_f64s(e, e), normalised].into_iter().enumerate() {
+                node.put(simd, FORM_COLUMNS + block * d + j, self.counted_or_zero(simd, x));
+            }
         }
-        fill_states(of_states, self.errors, self.covariances, self.d);
+    }
+
+    /// 0 in the lanes that do not count.
+    #[inline(always)]
+    pub(super) fn counted_or_zero(&self, simd: S, x: S::f64s) -> S::f64s {
+        simd.select_f64s(self.counted, x, simd.splat_f64s(0.0))
     }
 }
 
+/// The columns of a node of the tree, and of the nodes that stand left of it and wait for it.
+pub(super) struct Node<'a, S: Simd> {
+    /// The last first.
+    pub(super) waiting: &'a [S::f64s],
+    pub(super) columns: &'a mut [S::f64s],
+}
+
+impl<S: Simd> Node<'_, S> {
+    #[inline(always)]
+    fn put(&mut self, simd: S, column: usize, mut x: S::f64s) {
+        for left in self.waiting.chunks_exact(self.columns.len()) {
+            x = simd.add_f64s(left[column], x);
+        }
+        self.columns[column] = x;
+    }
+}
+
+/// Brings the errors of angles into (-period / 2, period / 2]; a period of 0 is no angle.
 #[inline(always)]
-fn fill_states(row: &mut [f64], errors: &[f64], covariances: &[f64], d: usize) {
-    let (e, rest) = row.split_at_mut(errors.len());
-    let (squares, normalised) = rest.split_at_mut(errors.len());
-    e.copy_from_slice(errors);
-    for (square, x) in squares.iter_mut().zip(errors) {
-        *square = x * x;
+pub(super) fn wrap<V: bytemuck::Pod>(errors: &mut [V], periods: &[f64]) {
+    for (error, &period) in errors.iter_mut().zip(periods).filter(|(_, period)| **period > 0.0) {
+        for x in lanes(error) {
+            *x -= period * (*x / period - 0.5).ceil();
+        }
     }
-    let matrices = covariances.chunks_exact(d * d);
-    for (variances, matrix) in normalised.chunks_exact_mut(d).zip(matrices) {
-        let diagonal = matrix.iter().step_by(d + 1);
-        variances.iter_mut().zip(diagonal).for_each(|(variance, &x)| *variance = x);
+}
+
+/// 10 log10 of every lane.
+#[inline(always)]
+fn decibels<V: bytemuck::Pod>(mut forms: V) -> V {
+    for x in lanes(&mut forms) {
+        *x = DECIBELS * ln(*x);
     }
-    for (variance, x) in normalised.iter_mut().zip(errors) {
-        *variance = x / variance.sqrt();
-    }
+    forms
 }
 
 /// 10 / ln 10.

@@ -19,8 +19,9 @@
 //! References: Bar-Shalom, Li and Kirubarajan (2001), ch. 5.4; Li and Zhao (2006), "Measuring
 //! estimator's credibility: noncredibility index", doi:10.1109/ICIF.2006.301770.
 
-use super::batch::{Batch, Group, Run};
-use super::columns::Fill;
+use super::batch::Batch;
+pub use super::columns::{FORM_COLUMNS, STATE_COLUMNS};
+use super::group::Group;
 use super::histogram::{BINS, bin};
 use super::tree::{Tree, pieces};
 use crate::error::Result;
@@ -28,12 +29,8 @@ use crate::{simd, threads};
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
-/// Columns of each step that do not belong to one state.
-pub const FORM_COLUMNS: usize = 4;
-/// Columns of each state.
-pub const STATE_COLUMNS: usize = 3;
-/// Steps of as many runs as it takes are worked on together, to fill the lanes.
-const TOGETHER: usize = 64;
+/// At most 2^this runs go through the lanes together.
+const TOGETHER: u32 = 3;
 
 /// What is counted and centred, set by the number of dimensions.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +45,7 @@ pub struct Levels<'a> {
 #[derive(Debug, Default)]
 pub struct Sums {
     /// For each canonical node of the runs: q, q^2, b and |b - E b|, each over the steps, then e, e^2
-    /// and e / sqrt(P_jj), each over steps and states.
+    /// and e / sqrt(P_jj), each over states and steps.
     pub nodes: Vec<f64>,
     /// For each run: steps that counted, the sum of q, and the sum of squares of each state.
     pub runs: Vec<f64>,
@@ -115,89 +112,61 @@ impl Part {
     }
 
     fn reduce(&mut self, batch: &Batch<'_>, levels: &Levels<'_>) -> Result<()> {
-        let together = TOGETHER.div_ceil(batch.steps.max(1));
+        let mut forms = Vec::new();
         let mut run = self.runs.start;
         while run < self.runs.end {
-            let runs = together.min((self.runs.end - run) as usize);
-            let group = Group::new(batch, (run - batch.first_run) as usize, runs)?;
-            for one in group.runs() {
-                let Self { of_runs, counts, histogram, .. } = self;
-                self.tree.push(run, |row| {
-                    simd::dispatch(One {
-                        run: one,
-                        levels: *levels,
-                        row,
-                        of_runs,
-                        counts,
-                        histogram,
-                    });
-                });
-                run += 1;
-            }
+            let level = node_level(run, self.runs.end);
+            let (first, runs) = ((run - batch.first_run) as usize, 1 << level);
+            let group = Group { batch, first, runs, expected: levels.decibels };
+            forms.resize(runs * batch.steps, 0.0);
+            let from = self.of_runs.len();
+            self.of_runs.resize(from + runs * (2 + batch.dimension()), 0.0);
+            let of_runs = &mut self.of_runs[from..];
+            self.tree.push(run, level, |row| group.reduce(row, of_runs, &mut forms))?;
+            let Self { counts, histogram, .. } = self;
+            simd::dispatch(Count { forms: &forms, levels: *levels, counts, histogram });
+            run += runs as u64;
         }
         Ok(())
     }
 }
 
-/// Reduces one run, compiled for the width of the machine.
-struct One<'a> {
-    run: Run<'a>,
+/// The level of the largest node that begins at `start`, does not pass `stop`, and is worth it.
+fn node_level(start: u64, stop: u64) -> u32 {
+    start.trailing_zeros().min((stop - start).ilog2()).min(TOGETHER)
+}
+
+/// Counts the forms of some runs: those that were measured, those under each threshold, and by bins.
+struct Count<'a> {
+    forms: &'a [f64],
     levels: Levels<'a>,
-    row: &'a mut [f64],
-    of_runs: &'a mut Vec<f64>,
     counts: &'a mut [i64],
     histogram: &'a mut [i64],
 }
 
-impl WithSimd for One<'_> {
+impl WithSimd for Count<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        fill(simd, &self.run, self.row, self.levels.decibels);
-        add_up(&self.run, self.of_runs);
-        count(&self.run, self.counts, self.histogram, self.levels.thresholds);
+    fn with_simd<S: Simd>(self, _: S) {
+        let steps = self.histogram.len() / BINS;
+        for forms in self.forms.chunks_exact(steps) {
+            count(forms, self.counts, self.levels.thresholds);
+            let bins = self.histogram.chunks_exact_mut(BINS).zip(forms);
+            bins.filter(|(_, x)| !x.is_nan()).for_each(|(bins, &x)| bins[bin(x)] += 1);
+        }
     }
 }
 
-/// The columns of a run, block by block; what was not measured stays zero.
 #[inline(always)]
-fn fill<S: Simd>(simd: S, run: &Run<'_>, row: &mut [f64], decibels: f64) {
-    let (d, steps) = (run.d, run.forms.len());
-    let Run { forms, errors, covariances, .. } = *run;
-    Fill { forms, errors, covariances, d, decibels, row: &mut *row }.with_simd(simd);
-    for t in (0..steps).filter(|&t| forms[t].is_nan()) {
-        (0..FORM_COLUMNS).for_each(|block| row[block * steps + t] = 0.0);
-        let states = &mut row[FORM_COLUMNS * steps..];
-        (0..STATE_COLUMNS).for_each(|block| states[(block * steps + t) * d..][..d].fill(0.0));
-    }
-}
-
-/// The sums of a run over its steps.
-#[inline(always)]
-fn add_up(run: &Run<'_>, of_runs: &mut Vec<f64>) {
-    let at = of_runs.len();
-    of_runs.resize(at + 2 + run.d, 0.0);
-    let sums = &mut of_runs[at..];
-    for (errors, _, form) in run.steps().filter(|(_, _, form)| !form.is_nan()) {
-        sums[0] += 1.0;
-        sums[1] += form;
-        sums[2..].iter_mut().zip(errors).for_each(|(sum, e)| *sum += e * e);
-    }
-}
-
-/// Counts the forms of a run: those that were measured, those under each threshold, and by bins.
-#[inline(always)]
-fn count(run: &Run<'_>, counts: &mut [i64], histogram: &mut [i64], thresholds: &[f64]) {
-    let (measured, under) = counts.split_at_mut(run.forms.len());
-    for (n, form) in measured.iter_mut().zip(run.forms) {
+fn count(forms: &[f64], counts: &mut [i64], thresholds: &[f64]) {
+    let (measured, under) = counts.split_at_mut(forms.len());
+    for (n, form) in measured.iter_mut().zip(forms) {
         *n += i64::from(!form.is_nan());
     }
-    for (under, &threshold) in under.chunks_exact_mut(run.forms.len()).zip(thresholds) {
-        under.iter_mut().zip(run.forms).for_each(|(n, &x)| *n += i64::from(x <= threshold));
+    for (under, &threshold) in under.chunks_exact_mut(forms.len()).zip(thresholds) {
+        under.iter_mut().zip(forms).for_each(|(n, &x)| *n += i64::from(x <= threshold));
     }
-    let bins = histogram.chunks_exact_mut(BINS).zip(run.forms);
-    bins.filter(|(_, x)| !x.is_nan()).for_each(|(bins, &x)| bins[bin(x)] += 1);
 }
 
 #[cfg(test)]
@@ -229,9 +198,9 @@ mod tests {
         assert!((sums.nodes[6] - b).abs() < 1e-14 && (sums.nodes[9] - (b - 1.5)).abs() < 1e-14);
         assert_eq!(sums.nodes[7..9], [0.0, 0.0]);
         assert_eq!(sums.nodes[10..12], [1.5, 0.0]);
-        assert_eq!(sums.nodes[12..18], [3.0, 4.0, 0.0, 2.0, 0.0, 0.0]);
-        assert_eq!(sums.nodes[18..24], [9.0, 16.0, 0.0, 4.0, 0.0, 0.0]);
-        assert_eq!(sums.nodes[24..], [1.5, 1.0, 0.0, 1.0, 0.0, 0.0]);
+        assert_eq!(sums.nodes[12..18], [3.0, 0.0, 0.0, 4.0, 2.0, 0.0]);
+        assert_eq!(sums.nodes[18..24], [9.0, 0.0, 0.0, 16.0, 4.0, 0.0]);
+        assert_eq!(sums.nodes[24..], [1.5, 0.0, 0.0, 1.0, 1.0, 0.0]);
         assert_eq!(sums.runs, [2.0, 4.25, 9.0, 20.0]);
         assert_eq!(sums.counts, [1, 1, 0, 0, 1, 0, 1, 1, 0]);
         assert_eq!(sums.histogram.iter().sum::<i64>(), 2);

@@ -3,5 +3,6 @@
 pub mod batch;
 mod columns;
 pub mod consistency;
+mod group;
 pub mod histogram;
 pub mod tree;

@@ -48,10 +48,11 @@ impl Tree {
         Self { width, nodes: Vec::new(), sums: Vec::new() }
     }
 
-    /// Adds the next run; `fill` writes all of its columns.
-    pub fn push(&mut self, run: u64, fill: impl FnOnce(&mut [f64])) {
-        fill(self.next(Node { start: run, level: 0 }));
+    /// Adds the next run, or the next 2^level runs; `fill` writes all of their columns.
+    pub fn push<R>(&mut self, start: u64, level: u32, fill: impl FnOnce(&mut [f64]) -> R) -> R {
+        let filled = fill(self.next(Node { start, level }));
         self.join();
+        filled
     }
 
     fn next(&mut self, node: Node) -> &mut [f64] {
@@ -130,7 +131,7 @@ pub fn run_sums(values: &[f64], columns: usize, first_run: u64) -> Result<Vec<f6
         for (runs, tree) in parts {
             for run in runs.clone() {
                 let row = (run - first_run) as usize * columns;
-                tree.push(run, |sums| sums.copy_from_slice(&values[row..row + columns]));
+                tree.push(run, 0, |sums| sums.copy_from_slice(&values[row..row + columns]));
             }
         }
         Ok(())
@@ -192,7 +193,7 @@ mod tests {
             let mut rest = Tree::new(1);
             for (i, &x) in values.iter().enumerate() {
                 let tree = if i < cut { &mut tree } else { &mut rest };
-                tree.push(11 + i as u64, |row| row[0] = x);
+                tree.push(11 + i as u64, 0, |row| row[0] = x);
             }
             tree.append(&rest);
             assert_eq!(tree.into_sums(), whole, "{cut}");
