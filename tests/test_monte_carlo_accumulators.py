@@ -283,7 +283,7 @@ def test_what_cannot_be_accumulated_says_why():
         (lambda data: data[:40] + b"x" + data[41:], "damaged or cut short"),
         (lambda data: b"x" + data, "not an accumulator"),
         (lambda data: data[:5], "not an accumulator"),
-        (lambda data: MAGIC + b"\x09" + data[len(MAGIC) + 1 :], "format 9, this version reads 1"),
+        (lambda data: MAGIC + b"\x09" + data[len(MAGIC) + 1 :], "format 9, this version reads 2"),
         (lambda data: ScoreAccumulator().to_bytes(), "hold a ScoreAccumulator, not a Consistency"),
     ],
 )

@@ -8,63 +8,6 @@ pub const FORM_COLUMNS: usize = 4;
 /// Columns of each state.
 pub const STATE_COLUMNS: usize = 3;
 
-/// As many steps of one run as there are lanes.
-pub(super) struct Steps<'a, S: Simd> {
-    /// The errors, state by state.
-    pub(super) errors: &'a [S::f64s],
-    /// Their variances.
-    pub(super) variances: &'a [S::f64s],
-    /// q.
-    pub(super) forms: S::f64s,
-    /// The lanes with a step that counts.
-    pub(super) counted: S::m64s,
-}
-
-impl<S: Simd> Steps<'_, S> {
-    /// Puts q, q^2, b and |b - E b|, then e, e^2 and e / sqrt(P_jj), each over the states; 0 for what
-    /// does not count.
-    #[inline(always)]
-    pub(super) fn columns(&self, simd: S, expected: f64, mut node: Node<'_, S>) {
-        let Self { errors, variances, forms, .. } = *self;
-        let b = decibels(forms);
-        let distance = simd.abs_f64s(simd.sub_f64s(b, simd.splat_f64s(expected)));
-        let of_forms = [forms, simd.mul_f64s(forms, forms), b, distance];
-        for (column, x) in of_forms.into_iter().enumerate() {
-            node.put(simd, column, self.counted_or_zero(simd, x));
-        }
-        let d = errors.len();
-        for (j, (&e, &variance)) in errors.iter().zip(variances).enumerate() {
-            let normalised = simd.div_f64s(e, simd.sqrt_f64s(variance));
-            for (block, x) in [e, simd.mul_f64s(e, e), normalised].into_iter().enumerate() {
-                node.put(simd, FORM_COLUMNS + block * d + j, self.counted_or_zero(simd, x));
-            }
-        }
-    }
-
-    /// 0 in the lanes that do not count.
-    #[inline(always)]
-    pub(super) fn counted_or_zero(&self, simd: S, x: S::f64s) -> S::f64s {
-        simd.select_f64s(self.counted, x, simd.splat_f64s(0.0))
-    }
-}
-
-/// The columns of a node of the tree, and of the nodes that stand left of it and wait for it.
-pub(super) struct Node<'a, S: Simd> {
-    /// The last first.
-    pub(super) waiting: &'a [S::f64s],
-    pub(super) columns: &'a mut [S::f64s],
-}
-
-impl<S: Simd> Node<'_, S> {
-    #[inline(always)]
-    fn put(&mut self, simd: S, column: usize, mut x: S::f64s) {
-        for left in self.waiting.chunks_exact(self.columns.len()) {
-            x = simd.add_f64s(left[column], x);
-        }
-        self.columns[column] = x;
-    }
-}
-
 /// Brings the errors of angles into (-period / 2, period / 2]; a period of 0 is no angle.
 #[inline(always)]
 pub(super) fn wrap<V: bytemuck::Pod>(errors: &mut [V], periods: &[f64]) {
@@ -77,7 +20,7 @@ pub(super) fn wrap<V: bytemuck::Pod>(errors: &mut [V], periods: &[f64]) {
 
 /// 10 log10 of every lane.
 #[inline(always)]
-fn decibels<V: bytemuck::Pod>(mut forms: V) -> V {
+pub(super) fn decibels<V: bytemuck::Pod>(mut forms: V) -> V {
     for x in lanes(&mut forms) {
         *x = DECIBELS * ln(*x);
     }

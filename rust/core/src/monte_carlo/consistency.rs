@@ -21,16 +21,12 @@
 
 use super::batch::Batch;
 pub use super::columns::{FORM_COLUMNS, STATE_COLUMNS};
-use super::group::Group;
-use super::histogram::{BINS, bin};
+use super::group::{Group, Output, runs_together};
+use super::histogram::BINS;
 use super::tree::{Tree, pieces};
 use crate::error::Result;
-use crate::{simd, threads};
-use pulp::{Simd, WithSimd};
+use crate::threads;
 use std::ops::Range;
-
-/// At most 2^this runs go through the lanes together.
-const TOGETHER: u32 = 3;
 
 /// What is counted and centred, set by the number of dimensions.
 #[derive(Debug, Clone, Copy)]
@@ -112,65 +108,33 @@ impl Part {
     }
 
     fn reduce(&mut self, batch: &Batch<'_>, levels: &Levels<'_>) -> Result<()> {
-        let mut forms = Vec::new();
+        let Self { tree, of_runs, counts, histogram, .. } = self;
         let mut run = self.runs.start;
         while run < self.runs.end {
-            let level = node_level(run, self.runs.end);
-            let (first, runs) = ((run - batch.first_run) as usize, 1 << level);
-            let group = Group { batch, first, runs, expected: levels.decibels };
-            forms.resize(runs * batch.steps, 0.0);
-            let from = self.of_runs.len();
-            self.of_runs.resize(from + runs * (2 + batch.dimension()), 0.0);
-            let of_runs = &mut self.of_runs[from..];
-            self.tree.push(run, level, |row| group.reduce(row, of_runs, &mut forms))?;
-            let Self { counts, histogram, .. } = self;
-            simd::dispatch(Count { forms: &forms, levels: *levels, counts, histogram });
+            let runs = runs_together(run, self.runs.end, batch.dimension());
+            let first = (run - batch.first_run) as usize;
+            let group = Group { batch, first, runs, levels };
+            let from = of_runs.len();
+            of_runs.resize(from + runs * (2 + batch.dimension()), 0.0);
+            let of_runs = &mut of_runs[from..];
+            tree.push(run, runs.ilog2(), |row| {
+                group.reduce(Output {
+                    row,
+                    of_runs,
+                    counts: &mut *counts,
+                    histogram: &mut *histogram,
+                })
+            })?;
             run += runs as u64;
         }
         Ok(())
     }
 }
 
-/// The level of the largest node that begins at `start`, does not pass `stop`, and is worth it.
-fn node_level(start: u64, stop: u64) -> u32 {
-    start.trailing_zeros().min((stop - start).ilog2()).min(TOGETHER)
-}
-
-/// Counts the forms of some runs: those that were measured, those under each threshold, and by bins.
-struct Count<'a> {
-    forms: &'a [f64],
-    levels: Levels<'a>,
-    counts: &'a mut [i64],
-    histogram: &'a mut [i64],
-}
-
-impl WithSimd for Count<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let steps = self.histogram.len() / BINS;
-        for forms in self.forms.chunks_exact(steps) {
-            count(forms, self.counts, self.levels.thresholds);
-            let bins = self.histogram.chunks_exact_mut(BINS).zip(forms);
-            bins.filter(|(_, x)| !x.is_nan()).for_each(|(bins, &x)| bins[bin(x)] += 1);
-        }
-    }
-}
-
-#[inline(always)]
-fn count(forms: &[f64], counts: &mut [i64], thresholds: &[f64]) {
-    let (measured, under) = counts.split_at_mut(forms.len());
-    for (n, form) in measured.iter_mut().zip(forms) {
-        *n += i64::from(!form.is_nan());
-    }
-    for (under, &threshold) in under.chunks_exact_mut(forms.len()).zip(thresholds) {
-        under.iter_mut().zip(forms).for_each(|(n, &x)| *n += i64::from(x <= threshold));
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::histogram::bin;
+    use super::super::tree::run_sums;
     use super::*;
 
     const LEVELS: Levels<'_> = Levels { decibels: 1.5, thresholds: &[1.0, 4.0] };
@@ -205,6 +169,59 @@ mod tests {
         assert_eq!(sums.counts, [1, 1, 0, 0, 1, 0, 1, 1, 0]);
         assert_eq!(sums.histogram.iter().sum::<i64>(), 2);
         assert_eq!(sums.histogram[bin(3.25)], 1);
+    }
+
+    /// Errors and covariances L D L' whose forms are exact with and without fused operations: some
+    /// were not measured, some covariances are in doubt.
+    fn exact(runs: usize, steps: usize, d: usize) -> (Vec<f64>, Vec<f64>) {
+        let hash = |i: usize| (i.wrapping_mul(2_654_435_761) >> 7) % 1000;
+        let mut truth: Vec<f64> = (0..runs * steps * d).map(|i| hash(i) as f64 - 500.0).collect();
+        let mut covariances = Vec::new();
+        for k in 0..runs * steps {
+            let pivot = |j: usize| if hash(k + j) < 20 { 2f64.powi(-50) } else { 2.0 };
+            let lower = |i: usize, j: usize| if i == j { 1.0 } else { (hash(k) % 3) as f64 };
+            for (i, j) in (0..d * d).map(|at| (at / d, at % d)) {
+                let term = |m| lower(i, m) * pivot(m) * lower(j, m);
+                covariances.push((0..=i.min(j)).map(term).sum());
+            }
+            if hash(k + 17) < 50 {
+                truth[k * d + k % d] = f64::NAN;
+            }
+        }
+        (truth, covariances)
+    }
+
+    #[test]
+    fn a_group_has_the_bits_of_its_runs() {
+        let (runs, steps) = (23, 13);
+        for d in [1, 2, 3, 4, 5, 9, 10] {
+            let (truth, covariances) = exact(runs, steps, d);
+            let mut periods = vec![0.0; d];
+            periods[d - 1] = 512.0;
+            let sums = |first: usize, runs: usize| {
+                let states = first * steps * d..(first + runs) * steps * d;
+                let batch = Batch {
+                    truth: &truth[states.clone()],
+                    estimates: None,
+                    covariances: &covariances[states.start * d..states.end * d],
+                    runs,
+                    steps,
+                    periods: &periods,
+                    first_run: first as u64 + 3,
+                };
+                consistency_sums(batch, LEVELS).unwrap()
+            };
+            let (whole, width) = (sums(0, runs), steps * (FORM_COLUMNS + STATE_COLUMNS * d));
+            let alone: Vec<_> = (0..runs).map(|run| sums(run, 1)).collect();
+            let rows: Vec<f64> = alone.iter().flat_map(|one| one.nodes.clone()).collect();
+            assert_eq!(whole.nodes, run_sums(&rows, width, 3).unwrap(), "{d}");
+            assert!(alone.iter().flat_map(|one| &one.runs).eq(&whole.runs), "{d}");
+            for (i, &count) in whole.counts.iter().enumerate() {
+                assert_eq!(alone.iter().map(|one| one.counts[i]).sum::<i64>(), count, "{d}");
+            }
+            assert_eq!(whole.histogram.iter().sum::<i64>(), whole.counts[..steps].iter().sum());
+            assert!(whole.counts[..steps].iter().sum::<i64>() < (runs * steps) as i64);
+        }
     }
 
     #[test]

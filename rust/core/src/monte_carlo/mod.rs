@@ -5,4 +5,6 @@ mod columns;
 pub mod consistency;
 mod group;
 pub mod histogram;
+mod large;
+mod tile;
 pub mod tree;
