@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cache, cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -47,8 +48,8 @@ class FormStatistics:
     """``(steps,)``."""
     coverage: dict[float, Floats]
     """For each probability the share of errors inside that credibility region, ``(steps,)``."""
-    coverage_interval: dict[float, Floats]
-    """Clopper-Pearson, ``(steps, 2)``."""
+    covered: dict[float, NDArray[np.int64]]
+    """For each probability how many errors lie inside that region, ``(steps,)``."""
     inclination: Floats
     """Mean of 10 log10 q less its expectation, in dB, ``(steps,)``; above 0 is optimistic."""
     inclination_bound: Floats
@@ -98,16 +99,21 @@ class FormStatistics:
             normalized_mean_error=normalised,
             normalized_mean_error_bound=one,
             coverage=dict(zip(levels, shares, strict=True)),
-            coverage_interval={
-                level: clopper_pearson(count, runs, confidence)
-                for level, count in zip(levels, under[1:], strict=True)
-            },
+            covered=dict(zip(levels, under[1:], strict=True)),
             inclination=forms[2] - decibels,
             inclination_bound=one * np.sqrt(variance),
             noncredibility=forms[3],
             noncredibility_expected=expected,
             histogram=histogram,
         )
+
+    @cached_property
+    def coverage_interval(self) -> dict[float, Floats]:
+        """Of the coverage, by Clopper and Pearson, ``(steps, 2)``."""
+        return {
+            level: clopper_pearson(inside, self.runs, self.confidence)
+            for level, inside in self.covered.items()
+        }
 
     def quantiles(self, levels: Sequence[float]) -> Floats:
         """Quantiles of q, ``(levels, steps)``, from its histogram: wrong by at most 12 %, and by
@@ -121,8 +127,9 @@ class FormStatistics:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, arrays as lists."""
-        return {field.name: _plain(getattr(self, field.name)) for field in fields(self)}
+        """The fields and the intervals of the coverage, arrays as lists."""
+        names = [*(field.name for field in fields(self)), "coverage_interval"]
+        return {name: _plain(getattr(self, name)) for name in names}
 
 
 @dataclass(frozen=True, repr=False)
@@ -216,8 +223,9 @@ def _rmse_interval(rmse: Floats, runs: Floats, confidence: float) -> Floats:
     from scipy.special import gammaincinv
 
     tails = np.array([(1 + confidence) / 2, (1 - confidence) / 2])
-    n = np.where(runs > 0, runs, np.nan)[:, None]
-    factors: Floats = np.sqrt(n / (2 * gammaincinv(n / 2, tails)))
+    counts, place = np.unique(runs, return_inverse=True)  # mostly one: the quantiles are costly
+    n = np.where(counts > 0, counts, np.nan)[:, None]
+    factors: Floats = np.sqrt(n / (2 * gammaincinv(n / 2, tails)))[place]
     interval: Floats = rmse[..., None] * factors[:, None, :]
     return interval
 
@@ -228,6 +236,7 @@ def _normal_quantile(confidence: float) -> float:
     return float(ndtri((1 + confidence) / 2))
 
 
+@cache
 def _honest(d: int) -> tuple[float, float, float]:
     """For chi-square q with d degrees: mean and variance of 10 log10 q, and its mean distance from
     the mean.

@@ -178,7 +178,7 @@ mod tests {
         let mut truth: Vec<f64> = (0..runs * steps * d).map(|i| hash(i) as f64 - 500.0).collect();
         let mut covariances = Vec::new();
         for k in 0..runs * steps {
-            let pivot = |j: usize| if hash(k + j) < 20 { 2f64.powi(-50) } else { 2.0 };
+            let pivot = |j: usize| if hash(k + j) < 20 { 2f64.powi(-38) } else { 2.0 };
             let lower = |i: usize, j: usize| if i == j { 1.0 } else { (hash(k) % 3) as f64 };
             for (i, j) in (0..d * d).map(|at| (at / d, at % d)) {
                 let term = |m| lower(i, m) * pivot(m) * lower(j, m);
