@@ -238,10 +238,9 @@ impl<S: Simd, L: Load<S>, const D: usize> Block<S, L, D> {
                 differing = simd.or_u64s(differing, simd.xor_u64s(below, above));
             }
         }
-        let same = simd.equal_u64s(differing, zero);
-        let (one, none) = (simd.splat_f64s(1.0), simd.splat_f64s(0.0));
-        if D == 1 || simd.reduce_min_f64s(simd.select_f64s(same, one, none)) > 0.0 {
-            return same;
+        let different = simd.greater_than_u64s(differing, zero);
+        if simd.first_true_m64s(different) >= S::F64_LANES {
+            return simd.equal_u64s(differing, zero);
         }
         self.average_differing()
     }

@@ -171,16 +171,18 @@ impl<S: Simd, const D: usize, const R: usize> Tile<S, D, R> {
         counts: &mut [i64],
         steps: usize,
     ) {
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let (zero, one) = (simd.splat_u64s(0), simd.splat_u64s(1));
         let levels = std::iter::once(&f64::INFINITY).chain(thresholds);
         for (counts, &threshold) in counts.chunks_exact_mut(steps).zip(levels) {
             let (threshold, mut under) = (simd.splat_f64s(threshold), zero);
             for &form in &self.forms {
                 let is_under = simd.less_than_or_equal_f64s(form, threshold);
-                under = simd.add_f64s(under, simd.select_f64s(is_under, one, zero));
+                under = simd.add_u64s(under, simd.select_u64s(is_under, one, zero));
             }
+            let under = [under];
+            let under: &[i64] = bytemuck::cast_slice(&under);
             let counts = &mut counts[self.step..self.step + self.count];
-            counts.iter_mut().zip(lanes(&mut under)).for_each(|(n, x)| *n += *x as i64);
+            counts.iter_mut().zip(under).for_each(|(n, x)| *n += x);
         }
     }
 
