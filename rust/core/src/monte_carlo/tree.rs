@@ -99,12 +99,15 @@ impl Tree {
 /// Cuts `runs` where a multiple of a power of two stands, into pieces worth a thread each.
 pub(crate) fn pieces(runs: Range<u64>, width: usize) -> Vec<Range<u64>> {
     let least = PIECE.div_ceil(width.max(1) as u64);
-    let share = (runs.end - runs.start).div_ceil(4 * threads::threads() as u64);
-    let size = least.max(share).next_power_of_two();
+    let share = (runs.end - runs.start) / (4 * threads::threads() as u64);
+    let size = match threads::threads() {
+        1 => u64::MAX,
+        _ => 1 << least.max(share).max(1).ilog2(),
+    };
     let mut pieces = Vec::new();
     let mut start = runs.start;
     while start < runs.end {
-        let end = (start / size + 1).saturating_mul(size).min(runs.end);
+        let end = (start / size).saturating_add(1).saturating_mul(size).min(runs.end);
         pieces.push(start..end);
         start = end;
     }
