@@ -48,12 +48,21 @@ impl<const D: usize, const E: usize> WithLanes for Forms<'_, D, E> {
         let Self { first, second, matrices, symmetry, output } = self;
         let mut block = Block::<S, L, D>::new(simd, load, symmetry);
         let mut total = simd.splat_f64s(0.0);
-        for (b, output) in output.chunks_mut(S::F64_LANES).enumerate() {
+        let (whole, rest) = output.split_at_mut(output.len() / S::F64_LANES * S::F64_LANES);
+        for (b, output) in whole.chunks_exact_mut(S::F64_LANES).enumerate() {
             let k = b * S::F64_LANES;
             let second = second.map(|values| &values[k * D..]);
-            let forms = block.forms(&first[k * D..], second, matrices.from(k * E), output.len());
+            let matrices = matrices.from(k * E);
+            let forms = block.forms(&first[k * D..], second, matrices, S::F64_LANES);
             total = simd.add_f64s(total, forms);
             store(forms, output);
+        }
+        if !rest.is_empty() {
+            let k = whole.len();
+            let second = second.map(|values| &values[k * D..]);
+            let forms = block.forms(&first[k * D..], second, matrices.from(k * E), rest.len());
+            total = simd.add_f64s(total, forms);
+            store(forms, rest);
         }
         // One NaN makes the sum NaN.
         simd.reduce_sum_f64s(total).is_finite()
