@@ -1,5 +1,6 @@
 """Figures of a Monte Carlo sweep: honesty and accuracy over time, and a score over two settings."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -106,7 +107,7 @@ def sweep_scene(result: SweepResult, states: Sequence[str] | None, step: float |
 
 def _title_room(result: SweepResult) -> float:
     """Pixels above the panels: the title, and the rows of the legend on its right."""
-    return max(92.0, 40.0 + 18.0 * np.ceil(len(result.grid) / LEGEND_COLUMNS))
+    return max(92.0, 40.0 + 18.0 * math.ceil(len(result.grid) / LEGEND_COLUMNS))
 
 
 def _honesty(result: SweepResult, time: Floats, axis: str, place: Rectangle) -> Panel:
