@@ -12,6 +12,7 @@ import pytest
 from trackmetrics import report
 from trackmetrics.diagnostics import Diagnosis
 from trackmetrics.report import theme
+from trackmetrics.vessel import HeldOut
 
 MEGABYTE = 1e6
 VOID = {"meta", "link", "input", "br", "rect"}
@@ -146,3 +147,37 @@ def test_without_a_log_and_without_tracks(small):
     empty = report.page(Diagnosis((), ("the log looks odd <",)))
     assert "0 tracks" in empty
     assert "the log looks odd &lt;" in empty
+
+
+@pytest.fixture(scope="module")
+def predicted(small):
+    """What might have been found on the reports left out of two tracks."""
+    results = {}
+    for name, scale in (("vessel 001", 0.05), ("vessel 002", 3.25)):
+        interval, nothing = (0.8 * scale, 1.3 * scale), np.empty(0)
+        results[name] = HeldOut(
+            name, 120, 20, 400, 210.4, scale, interval, 1.2e-5, nothing, nothing
+        )
+    return results
+
+
+def test_reports_left_out_have_a_section(small, predicted):
+    document = Document(report.page(small[1], small[0], held_out=predicted))
+    assert document.stack == []
+    (table,) = document.find("table", id="predictions")
+    text = " ".join("".join(table[2]).split())
+    assert text.index("vessel 002") < text.index("vessel 001")
+    assert "▼ pessimistic 0.050.04 to 0.065 1.2e-05 120in 20 gaps 210of 400" in text
+    assert "▲ optimistic 3.252.6 to 4.23" in text
+    bars = [e[1] for e in document.find("rect") if e[1].get("height") == "6"]
+    left, right = (50 + 25 * np.log10(0.05 * factor) for factor in (0.8, 1.3))
+    assert float(bars[1]["x"]) == pytest.approx(left, abs=0.01)
+    assert float(bars[1]["width"]) == pytest.approx(right - left, abs=0.01)
+    assert [bar["class"] for bar in bars] == ["high", "low"]
+
+
+def test_a_section_of_predictions_only_where_there_are_some(document, small, predicted):
+    assert not document.find("table", id="predictions")
+    elsewhere = {"vessel 999": predicted["vessel 001"]}
+    page = Document(report.page(small[1], small[0], held_out=elsewhere))
+    assert not page.find("table", id="predictions")

@@ -1,8 +1,10 @@
 """What the commands that diagnose vessels print, and the page they write."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from trackmetrics.diagnostics import Diagnosis, EstimatorLog, TrackDiagnosis
+from trackmetrics.vessel import HeldOut
 
 
 def print_verdicts(diagnosis: Diagnosis) -> None:
@@ -38,9 +40,15 @@ def _since(track: TrackDiagnosis) -> str:
     return "-" if settled is None else f"to {settled:.0f} s"
 
 
-def write_html(path: str, diagnosis: Diagnosis, log: EstimatorLog, title: str) -> None:
+def write_html(
+    path: str,
+    diagnosis: Diagnosis,
+    log: EstimatorLog,
+    title: str,
+    held_out: Mapping[str, HeldOut] | None = None,
+) -> None:
     """The page of a diagnosis."""
     from trackmetrics.report import write_page
 
-    write_page(path, diagnosis, log, title=title)
+    write_page(path, diagnosis, log, title=title, held_out=held_out)
     print(f"\nwrote {path} ({Path(path).stat().st_size / 1e6:.1f} MB)")

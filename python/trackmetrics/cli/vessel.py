@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -62,13 +63,15 @@ def run(arguments: argparse.Namespace) -> int:
     log = _since_first_report(absolute, reports)
     diagnosis = diagnose(log)
     print_verdicts(diagnosis)
+    held_out = None
     if not used.all():
-        held_out = reports.take(~used)
-        _print_predictions(predictive_nis(absolute, held_out, settings), diagnosis)
+        held_out = predictive_nis(absolute, reports.take(~used), settings)
+        _print_predictions(held_out, diagnosis)
     if arguments.log:
         log.write(arguments.log)
     if arguments.html:
-        write_html(arguments.html, diagnosis, log, f"Vessels of {arguments.recording}")
+        title = f"Vessels of {Path(arguments.recording).name}"
+        write_html(arguments.html, diagnosis, log, title, held_out)
     return 0
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from trackmetrics.report.layout import LEGEND_COLUMNS
 from trackmetrics.report.marks import (
     Band,
     Bars,
@@ -125,6 +126,8 @@ def _ticks(axes: Any, panel: Panel) -> None:
         axes.yaxis.set_minor_locator(NullLocator())
     elif panel.place.height < 150:
         axes.locator_params(axis="y", nbins=4)
+    if panel.x_ticks is not None:
+        axes.set_xticks(*zip(*panel.x_ticks, strict=True))
 
 
 def _legend(axes: Any, theme: Theme) -> None:
@@ -134,7 +137,7 @@ def _legend(axes: Any, theme: Theme) -> None:
         labelcolor=theme.rgba("ink"),
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        ncols=6,
+        ncols=LEGEND_COLUMNS,
         borderaxespad=0.1,
     )
 

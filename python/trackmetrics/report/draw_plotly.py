@@ -208,6 +208,8 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
     }
     if panel.x_limits:
         x["range"] = list(panel.x_limits)
+    if panel.x_ticks is not None:
+        x |= _named_ticks(panel.x_ticks)
     if panel.linked and i != first:
         x["matches"] = _axis_names(first)[0]
     y = {
@@ -228,13 +230,14 @@ def _y_scale(panel: Panel) -> Json:
     if ticks is None and panel.log and panel.y_limits:
         ticks = tuple(log_ticks(panel.y_limits))
     if ticks is not None:
-        scale |= {
-            "tickvals": [v for v, _ in ticks],
-            "ticktext": [literal(name) for _, name in ticks],
-        }
+        scale |= _named_ticks(ticks)
     elif panel.place.height < 150:
         scale["nticks"] = 5
     return scale
+
+
+def _named_ticks(ticks: Sequence[tuple[float, str]]) -> Json:
+    return {"tickvals": [v for v, _ in ticks], "ticktext": [literal(name) for _, name in ticks]}
 
 
 def _hover(target: _Target, name: str) -> str:

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 
 from trackmetrics.report.marks import Rectangle
 
+LEGEND_COLUMNS = 6
+"""Names side by side in a legend."""
+
 
 @dataclass(frozen=True)
 class Frame:

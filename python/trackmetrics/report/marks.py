@@ -148,6 +148,8 @@ class Panel:
     y_limits: tuple[float, float] | None = None
     ticks: tuple[tuple[float, str], ...] | None = None
     """Values of the y axis that have a name, for an axis of names."""
+    x_ticks: tuple[tuple[float, str], ...] | None = None
+    """The same for the x axis."""
     legend: bool = False
     """Whether the named lines and bands are listed."""
     linked: bool = True

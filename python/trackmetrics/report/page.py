@@ -8,22 +8,29 @@ import base64
 import gzip
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from trackmetrics.diagnostics import Diagnosis, EstimatorLog
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.overview import comparison_scene
+from trackmetrics.report.predictions import predictions
 from trackmetrics.report.sheet import track_scene
 from trackmetrics.report.subject import Subject, subjects
 from trackmetrics.report.tables import lanes, moments, track_tables, update_table
+from trackmetrics.vessel import HeldOut
 
 SHOWN = theme.TRACK_COLOURS
 """How many tracks the comparison shows at first, the most severe ones."""
 
 
 def page(
-    diagnosis: Diagnosis, log: EstimatorLog | None = None, *, title: str = "Estimator diagnosis"
+    diagnosis: Diagnosis,
+    log: EstimatorLog | None = None,
+    *,
+    title: str = "Estimator diagnosis",
+    held_out: Mapping[str, HeldOut] | None = None,
 ) -> str:
     """The diagnosis as one HTML file: overview, comparison, and each track in full.
 
@@ -40,6 +47,9 @@ def page(
         The log it was made from; None shows the segments without the updates.
     title
         Heading of the page.
+    held_out
+        What :func:`trackmetrics.vessel.predictive_nis` found: makes a section about the reports
+        that the filter was not given.
 
     Returns
     -------
@@ -58,13 +68,14 @@ def page(
         undefined=jinja2.StrictUndefined,
     )
     environment.globals.update(words=theme.words, glyph=theme.glyph, role=theme.verdict_role)
-    environment.filters.update(number=number)
+    environment.filters.update(number=number, p=_p_value)
     plotly, compared = get_plotlyjs(), draw_plotly.figure(comparison_scene(every))
     return environment.get_template("page.html").render(
         title=title,
         warnings=diagnosis.warnings,
         counts=_counts(every),
         tracks=[_track(i, subject, compared) for i, subject in enumerate(every)],
+        predictions=predictions(every, held_out),
         themes=theme.THEMES,
         shown=SHOWN,
         comparison=_packed({**compared, "data": []}),
@@ -80,9 +91,11 @@ def write_page(
     log: EstimatorLog | None = None,
     *,
     title: str = "Estimator diagnosis",
+    held_out: Mapping[str, HeldOut] | None = None,
 ) -> None:
     """Write :func:`page` to a file."""
-    Path(path).write_text(page(diagnosis, log, title=title), encoding="utf-8")
+    html = page(diagnosis, log, title=title, held_out=held_out)
+    Path(path).write_text(html, encoding="utf-8")
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -90,6 +103,10 @@ def number(value: float | None, digits: int = 3) -> str:
     if value is None or math.isnan(value):
         return "–"
     return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
+
+
+def _p_value(value: float) -> str:
+    return number(value, 2) if value > 0 else "< 1e-300"
 
 
 def _counts(every: list[Subject]) -> dict[str, int]:

@@ -21,9 +21,12 @@ _PAGE = """<!doctype html>
 @media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}
 body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 76rem; padding: 0 1rem;
   background: var(--page); color: var(--ink); }}
-img {{ max-width: 100%; height: auto; background: var(--surface); }}
-table {{ border-collapse: collapse; }}
+img {{ background: var(--surface); }}
+h1 {{ font-size: 1.7rem; line-height: 1.2; overflow-wrap: anywhere; }}
+.scroll {{ overflow-x: auto; }}
+table {{ border-collapse: collapse; font-variant-numeric: tabular-nums; }}
 td, th {{ padding: .25rem .8rem; text-align: right; border-bottom: 1px solid var(--grid); }}
+td:first-child, th:first-child {{ text-align: left; white-space: nowrap; padding-left: 0; }}
 </style></head><body>
 <h1>{title}</h1><p>{summary}</p>
 {figures}
@@ -47,7 +50,7 @@ def sweep_page(result: SweepResult, *, title: str = "Monte Carlo sweep") -> str:
     """
     scenes = []
     if "nees" in result.scores:
-        scenes.append(sweep_scene(result, None, 1.0))
+        scenes.append(sweep_scene(result, None, None))
     varying = [name for name in result.grid[0] if len({repr(s[name]) for s in result.grid}) > 1]
     if len(varying) > 1 and result.scores:
         scenes.append(heat_scene(result, varying[0], varying[1], next(iter(result.scores))))
@@ -71,7 +74,7 @@ def _variables(colours: Any) -> str:
 def _picture(scene: Scene) -> str:
     light, dark = (_address(draw(scene, "matplotlib", dark)) for dark in (False, True))
     return (
-        f'<p><picture><source srcset="{dark}" media="(prefers-color-scheme: dark)">'
+        f'<p class="scroll"><picture><source srcset="{dark}" media="(prefers-color-scheme: dark)">'
         f'<img src="{light}" alt="{html.escape(scene.title)}"></picture></p>'
     )
 
@@ -93,4 +96,4 @@ def _table(result: SweepResult) -> str:
         + "</tr>"
         for k, settings in enumerate(result.grid)
     ]
-    return f"<table><tr>{head}</tr>\n" + "\n".join(rows) + "\n</table>"
+    return f"<div class='scroll'><table><tr>{head}</tr>\n" + "\n".join(rows) + "\n</table></div>"

@@ -1,5 +1,6 @@
 """Figures of a Monte Carlo sweep: honesty and accuracy over time, and a score over two settings."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from trackmetrics.monte_carlo import SweepResult
 from trackmetrics.report.figures import Backend, draw
-from trackmetrics.report.layout import Frame
+from trackmetrics.report.layout import LEGEND_COLUMNS, Frame
 from trackmetrics.report.marks import (
     Band,
     Boxes,
@@ -29,7 +30,7 @@ def sweep_figure(
     result: SweepResult,
     *,
     states: Sequence[str] | None = None,
-    step: float = 1.0,
+    step: float | None = None,
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
@@ -42,7 +43,7 @@ def sweep_figure(
     states
         Names of the states, with their units.
     step
-        Seconds from one step to the next.
+        Seconds from one time step to the next; None counts time steps.
     backend
         ``"matplotlib"`` or ``"plotly"``.
     dark
@@ -81,19 +82,20 @@ def heat_figure(
     return draw(heat_scene(result, x, y, score), backend, dark)
 
 
-def sweep_scene(result: SweepResult, states: Sequence[str] | None, step: float) -> Scene:
+def sweep_scene(result: SweepResult, states: Sequence[str] | None, step: float | None) -> Scene:
     """The panels of :func:`sweep_figure`."""
     frame = Frame()
     n = result.rmse.shape[2]
     names = list(states) if states is not None else [f"state {j}" for j in range(n)]
     if len(names) != n:
         raise ValueError(f"states has {len(names)} names, the filter has {n}")
-    top, lower = frame.rows(56.0, [250.0, 210.0], 46.0)
-    time = floats(step * np.arange(result.rmse.shape[1]))
-    panels = [_honesty(result, time, top)]
+    top, lower = frame.rows(_title_room(result), [250.0, 210.0], 72.0)
+    time = floats(np.arange(result.rmse.shape[1]) * (1.0 if step is None else step))
+    axis = "time step" if step is None else "time (s)"
+    panels = [_honesty(result, time, axis, top)]
     columns = frame.columns(lower.top, lower.height, n)
     panels += [
-        _accuracy(result, j, name, time, place)
+        _accuracy(result, j, name, time, axis, place)
         for j, (name, place) in enumerate(zip(names, columns, strict=True))
     ]
     subtitle = f"{result.runs} runs of each setting; bands are 95 % intervals"
@@ -103,7 +105,12 @@ def sweep_scene(result: SweepResult, states: Sequence[str] | None, step: float) 
     )
 
 
-def _honesty(result: SweepResult, time: Floats, place: Rectangle) -> Panel:
+def _title_room(result: SweepResult) -> float:
+    """Pixels above the panels: the title, and the rows of the legend on its right."""
+    return max(92.0, 40.0 + 18.0 * math.ceil(len(result.grid) / LEGEND_COLUMNS))
+
+
+def _honesty(result: SweepResult, time: Floats, axis: str, place: Rectangle) -> Panel:
     limits = log_limits([result.anees.ravel(), np.ravel(result.anees_interval)])
     marks: list[Mark] = []
     for low, high in np.atleast_2d(result.anees_interval)[:1]:
@@ -116,7 +123,7 @@ def _honesty(result: SweepResult, time: Floats, place: Rectangle) -> Panel:
         place,
         tuple(marks),
         title="ANEES / states; the band is where an honest filter lies",
-        x_label="time, s",
+        x_label=axis,
         y_label="ANEES",
         log=True,
         x_limits=_ends(time),
@@ -125,7 +132,9 @@ def _honesty(result: SweepResult, time: Floats, place: Rectangle) -> Panel:
     )
 
 
-def _accuracy(result: SweepResult, j: int, name: str, time: Floats, place: Rectangle) -> Panel:
+def _accuracy(
+    result: SweepResult, j: int, name: str, time: Floats, axis: str, place: Rectangle
+) -> Panel:
     marks: list[Mark] = []
     for i, settings in enumerate(result.grid):
         colour, width, dash = _style(i)
@@ -136,7 +145,7 @@ def _accuracy(result: SweepResult, j: int, name: str, time: Floats, place: Recta
         place,
         tuple(marks),
         title=f"RMSE of {name}",
-        x_label="time, s",
+        x_label=axis,
         x_limits=_ends(time),
         y_limits=linear_limits([result.rmse_interval[:, :, j].ravel()], (0.0, 0.0)),
     )
@@ -171,17 +180,14 @@ def heat_scene(result: SweepResult, x: str, y: str, score: str) -> Scene:
     marks = _shades(cells)
     honest = {at for at, (_, ok) in cells.items() if ok}
     marks += [Line(floats(a), floats(b), "ink", 2.4) for a, b in _outline(honest)]
-    marks += [
-        Text(float(i), -0.75, str(value), "muted", anchor="center")
-        for i, value in enumerate(columns)
-    ]
     panel = Panel(
         place,
         tuple(marks),
         y_label=y,
         x_limits=(-0.5, len(columns) - 0.5),
-        y_limits=(-1.0, len(rows) - 0.5),
+        y_limits=(-0.5, len(rows) - 0.5),
         ticks=tuple((float(k), str(value)) for k, value in enumerate(rows)),
+        x_ticks=tuple((float(i), str(value)) for i, value in enumerate(columns)),
         x_label=x,
         linked=False,
     )

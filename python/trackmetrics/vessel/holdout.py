@@ -10,11 +10,18 @@ times that of an earlier one plus new noise:
 
     Phi_ij = F_j A_b ... A_(a+1) F_i^-1,  Cov(y_j, y_i) = H Phi_ij P_i H'.
 
-The sum of the NIS of a track has the expectation M, the number of components, and the variance
+With C the correlation matrix of all whitened innovations of a track, its M components, the sum of
+the NIS has the cumulants M, 2 tr C^2 and 8 tr C^3; where nothing is correlated C is the identity
+and the sum chi2(M). With a_i = E_i E_i', g_k = L_k' L_k and b_j = L_j' E_j', where L_j E_i is the
+block (j, i) of C below the diagonal,
 
-    2 M + 4 sum over i < j of || S_j^-1/2 Cov(y_j, y_i) S_i^-1/2 ||^2,
+    tr C^2 = M + 2 sum over i < j of tr a_i g_j,
+    tr C^3 = M + 6 sum over i < j of tr a_i g_j + 6 sum over i < j < k of tr a_i b_j g_k,
 
-which is 2 M only where nothing is correlated. It is taken for g chi2(h) with both (Satterthwaite).
+sums that two passes over the reports, one forward and one backward, carry along in matrices of the
+size of the state. The null distribution is a shifted and scaled chi-square with the same three
+cumulants (Imhof 1961, Biometrika 48, 419-426, eq. 4.1): two of them alone would reject too seldom
+below and too often above, as a few strong correlations make the sum skew.
 """
 
 from collections.abc import Mapping
@@ -32,10 +39,6 @@ from trackmetrics.vessel.reports import Reports
 Integers = NDArray[np.int64]
 
 
-MEMORY = 8
-"""Gaps after which the correlation is taken for gone."""
-
-
 @dataclass(frozen=True)
 class HeldOut:
     """How well a filter predicted the reports of one track that it had not fused."""
@@ -49,7 +52,7 @@ class HeldOut:
     dof: int
     """Their components together."""
     effective_dof: float
-    """The same for the correlation: as many independent ones would tell as much."""
+    """How many independent components would tell as much, given the correlation."""
     scale: float
     """Sum of the NIS over ``dof``: 1 is honest, above 1 the filter claims too much."""
     interval: tuple[float, float]
@@ -123,7 +126,7 @@ def _of_track(track: str, fused: Any, rows: Reports, settings: Settings) -> Held
     predictions = _Predictions(fused, rows, before, settings)
     nis = predictions.nis()
     gaps = len(np.unique(before))
-    return _judge(track, rows, nis, predictions.observed, gaps, predictions.variance())
+    return _judge(track, rows, nis, predictions.observed, gaps, predictions.traces())
 
 
 class _Predictions:
@@ -150,33 +153,37 @@ class _Predictions:
             values[k] = ((self.white[k, :m, :m] @ y) ** 2).sum()
         return values
 
-    def variance(self) -> float:
-        """Variance of the sum of the NIS."""
+    def traces(self) -> tuple[float, float]:
+        """``tr C^2`` and ``tr C^3`` of the correlations C of all whitened innovations."""
         later = self.white @ self.f[:, :4]
         earlier = np.linalg.solve(self.f, self.p[:, :, :4] @ self.white.swapaxes(1, 2))
-        gaps = np.split(np.arange(len(self.rows)), np.flatnonzero(np.diff(self.before)) + 1)
-        total = 2.0 * float(self.observed.sum())
-        total += sum(4.0 * _within(later[gap], earlier[gap]) for gap in gaps)
-        return total + 4.0 * self._between(gaps, later, earlier)
+        before = earlier @ earlier.swapaxes(1, 2)
+        after = later.swapaxes(1, 2) @ later
+        between = later.swapaxes(1, 2) @ earlier.swapaxes(1, 2)
+        carried = self._carried()
+        sums = _running(before, carried[1:])
+        ends = _running(after[::-1], carried[:0:-1].swapaxes(1, 2))[::-1]
+        pairs = float(np.einsum("nij,nji->", sums, after))
+        triples = float(np.einsum("nij,njk,nki->", sums, between, ends, optimize=True))
+        total = float(self.observed.sum())
+        return total + 2 * pairs, total + 6 * pairs + 6 * triples
 
-    def _between(self, gaps: list[Integers], later: Floats, earlier: Floats) -> float:
-        """The same over pairs of different gaps; traces replace the sum over single pairs."""
-        ends = [self.before[gap[0]] for gap in gaps]
-        grams = [np.einsum("nab,nac->bc", later[gap], later[gap]) for gap in gaps]
-        starts = [np.einsum("nab,ncb->ac", earlier[gap], earlier[gap]) for gap in gaps]
-        total = 0.0
-        for k in range(len(gaps)):
-            carried = np.eye(5)
-            for j in range(k + 1, min(k + 1 + MEMORY, len(gaps))):
-                for row in range(ends[j - 1] + 1, ends[j] + 1):
-                    carried = self.a[row] @ carried
-                total += float(np.trace(carried @ starts[k] @ carried.T @ grams[j]))
-        return total
+    def _carried(self) -> Floats:
+        """For each report, what the updates since the report before did to the error."""
+        carried = np.broadcast_to(np.eye(5), (len(self.rows), 5, 5)).copy()
+        for k in np.flatnonzero(np.diff(self.before)) + 1:
+            for row in range(self.before[k - 1] + 1, self.before[k] + 1):
+                carried[k] = self.a[row] @ carried[k]
+        return carried
 
 
-def _within(later: Floats, earlier: Floats) -> float:
-    """Sum of the squared correlations of all pairs of one gap."""
-    return sum(float(((later[k + 1 :] @ earlier[k]) ** 2).sum()) for k in range(len(later) - 1))
+def _running(terms: Floats, carried: Floats) -> Floats:
+    """The sum of all terms before each one, carried along from one to the next."""
+    sums = np.zeros_like(terms)
+    for k in range(1, len(terms)):
+        step = carried[k - 1]
+        sums[k] = step @ (sums[k - 1] + terms[k - 1]) @ step.T
+    return sums
 
 
 def _variances(rows: Reports, settings: Settings) -> Floats:
@@ -194,15 +201,31 @@ def _variances(rows: Reports, settings: Settings) -> Floats:
 
 
 def _judge(
-    track: str, rows: Reports, nis: Floats, observed: Integers, gaps: int, variance: float
+    track: str,
+    rows: Reports,
+    nis: Floats,
+    observed: Integers,
+    gaps: int,
+    traces: tuple[float, float],
 ) -> HeldOut:
+    dof, total = int(observed.sum()), float(nis.sum())
+    # 1 <= shape <= effective <= dof holds for every C; clipped, it holds for a rounded one too.
+    effective = float(np.clip(dof**2 / traces[0], 1.0, dof))
+    shape = float(np.clip(traces[0] ** 3 / traces[1] ** 2, 1.0, effective))
+    p, (low, high) = _tails(total / dof, effective, shape)
+    interval = (total / dof / high, total / dof / low)
+    return HeldOut(track, len(rows), gaps, dof, effective, total / dof, interval, p, nis, rows.time)
+
+
+def _tails(scale: float, effective: float, shape: float) -> tuple[float, tuple[float, float]]:
+    """The p-value of a scale, and the 95 % interval of an honest one.
+
+    An honest scale is 1 + (x - shape) / sqrt(shape * effective), with x chi2(shape).
+    """
     from scipy.special import chdtr, chdtrc, chdtri
 
-    dof = int(observed.sum())
-    g, h = variance / (2 * dof), 2 * dof**2 / variance
-    total = float(nis.sum())
-    p = 2 * min(float(chdtr(h, total / g)), float(chdtrc(h, total / g)))
-    low, high = (total / (g * float(chdtri(h, tail))) for tail in (0.025, 0.975))
-    return HeldOut(
-        track, len(rows), gaps, dof, h, total / dof, (low, high), min(p, 1.0), nis, rows.time
-    )
+    unit = np.sqrt(shape * effective)
+    x = max(shape + unit * (scale - 1), 0.0)
+    p = 2 * min(float(chdtr(shape, x)), float(chdtrc(shape, x)), 0.5)
+    low, high = (float(1 + (chdtri(shape, tail) - shape) / unit) for tail in (0.975, 0.025))
+    return p, (low, high)

@@ -152,12 +152,14 @@
         show(row, event.target.checked);
         redraw(false);
       });
-      find("a", row).addEventListener("click", () => {
-        show(row, true);
-        find("#track-" + row.dataset.index).open = true;
+    }
+    for (const link of all("#overview a, #predictions a"))
+      link.addEventListener("click", () => {
+        const details = find(link.getAttribute("href"));
+        show(rows.find((row) => row.dataset.index === details.dataset.index), true);
+        details.open = true;
         redraw(false);
       });
-    }
     for (const button of all("[data-draw]"))
       button.addEventListener("click", () => {
         const want = { all: () => true, none: () => false, first: (row) => row.dataset.index < {{ shown }} };
