@@ -11,8 +11,15 @@ import pytest
 from trackmetrics.cli import main
 from trackmetrics.cli.sweep import grid
 from trackmetrics.monte_carlo import sweep
+from trackmetrics.report.marks import Boxes, Line
 from trackmetrics.report.sweep_page import sweep_page
-from trackmetrics.report.sweeps import _outline, heat_figure, heat_scene, sweep_figure
+from trackmetrics.report.sweeps import (
+    _outline,
+    heat_figure,
+    heat_scene,
+    sweep_figure,
+    sweep_scene,
+)
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -93,6 +100,8 @@ def test_wrong_figures_are_named(two_parameters):
     one = sweep(cases.honest, 3, seed=1, progress=False)
     with pytest.raises(ValueError, match="states has 3 names, the filter has 2"):
         sweep_figure(one, states=["a", "b", "c"])
+    with pytest.raises(ValueError, match=r"settings must be of the 1 of the grid, got \[1\]"):
+        sweep_figure(one, settings=[1])
     with pytest.raises(ValueError, match="the grid has no 'r', it has claimed, steps"):
         heat_figure(two_parameters, "claimed", "r")
     with pytest.raises(ValueError, match="there is no score 'ospa', there are nees"):
@@ -107,9 +116,26 @@ def test_the_honest_region_is_outlined(two_parameters):
     assert len(_outline({(0, 0), (1, 0)})) == 6
 
 
+def test_the_settings_nearest_to_honest_are_drawn():
+    grid = {"claimed": [8.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.9, 0.8, 0.7, 0.6]}
+    result = sweep(cases.honest, 20, seed=1, grid=grid, progress=False)
+    drawn = {mark.name for mark in sweep_scene(result).panels[0].marks if isinstance(mark, Line)}
+    assert len(drawn) == 8
+    assert drawn.isdisjoint({"claimed=8", "claimed=4"})
+    chosen = sweep_scene(result, settings=[0, 5]).panels[0].marks
+    assert {mark.name for mark in chosen if isinstance(mark, Line)} == {"claimed=8", "claimed=1"}
+
+
+def test_honest_scores_are_red_above_one_and_blue_below(two_parameters):
+    (panel,) = heat_scene(two_parameters, "claimed", "steps", "nees").panels
+    colours = {float(m.name) > 1: m.colour.partition("/")[0] for m in panel.marks
+               if isinstance(m, Boxes)}  # fmt: skip
+    assert colours == {True: "high", False: "low"}
+
+
 def test_a_page_stands_alone():
     result = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
-    page = sweep_page(result, title="<a & b>")
+    page = sweep_page(result, title="<a & b>", best=result.best("anees"))
     addresses = []
 
     class Reader(HTMLParser):
@@ -120,7 +146,9 @@ def test_a_page_stands_alone():
     assert addresses
     assert all(address.startswith("data:image/svg+xml") for address in addresses)
     assert "<h1>&lt;a &amp; b&gt;</h1>" in page
-    assert page.count("<tr>") == 4
+    assert page.count("<tr>") == 3
+    assert page.count("<tr class='best'>") == 1
+    assert "is best by |ln anees|" in page
 
 
 def test_the_example_finds_the_true_process_noise(capsys):

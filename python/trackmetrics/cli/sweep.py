@@ -60,7 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.html:
         from trackmetrics.report.sweep_page import write_sweep_page
 
-        write_sweep_page(arguments.html, result, title=arguments.simulate)
+        best = _best(result, arguments.best)
+        write_sweep_page(arguments.html, result, title=arguments.simulate, best=best)
     return status
 
 
@@ -148,17 +149,9 @@ def _table(result: SweepResult, by: str) -> list[str]:
 
 
 def _remarks(result: SweepResult, best: Any) -> list[str]:
-    remarks = []
-    if best is not None:
-        low, high = best.interval
-        remarks.append(f"* best by {best.criterion}: {best.value:.4g} [{low:.4g}, {high:.4g}]")
-    if best is not None and best.runner_up is not None:
-        low, high = best.difference_interval
-        verdict = "more than" if best.significant else "no more than"
-        remarks.append(
-            f"  the next is worse by {best.difference:.4g} [{low:.4g}, {high:.4g}], "
-            f"{verdict} chance"
-        )
+    marks = ("* ", "  ")
+    said = [] if best is None else best.words()
+    remarks = [mark + words for mark, words in zip(marks, said, strict=False)]
     if result.failures:
         remarks.append(f"{len(result.failures)} runs failed; the first: {result.failures[0].error}")
     return remarks

@@ -45,6 +45,17 @@ class Best:
         """The fields."""
         return asdict(self)
 
+    def words(self) -> list[str]:
+        """What it says, in one or two sentences."""
+        low, high = self.interval
+        said = [f"best by {self.criterion}: {self.value:.4g} [{low:.4g}, {high:.4g}]"]
+        if self.runner_up is not None:
+            low, high = self.difference_interval
+            verdict = "more than" if self.significant else "no more than"
+            worse = f"the next is worse by {self.difference:.4g} [{low:.4g}, {high:.4g}]"
+            said.append(f"{worse}, {verdict} chance")
+        return said
+
 
 @dataclass(frozen=True)
 class Criterion:

@@ -25,12 +25,16 @@ from trackmetrics.report.marks import (
 from trackmetrics.report.scales import linear_limits, log_limits, on_log_axis
 from trackmetrics.report.theme import DASHES, TRACK_COLOURS
 
+# Scores that an honest filter has at 1.
+_HONEST_AT_ONE = ("nees", "nis")
+
 
 def sweep_figure(
     result: SweepResult,
     *,
     states: Sequence[str] | None = None,
     step: float | None = None,
+    settings: Sequence[int] | None = None,
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
@@ -44,6 +48,9 @@ def sweep_figure(
         Names of the states, with their units.
     step
         Seconds from one time step to the next; None counts time steps.
+    settings
+        Places in ``result.grid`` of what is drawn; at most eight by default, those whose mean NEES
+        is nearest to honest.
     backend
         ``"matplotlib"`` or ``"plotly"``.
     dark
@@ -54,7 +61,7 @@ def sweep_figure(
     matplotlib.figure.Figure or plotly.graph_objects.Figure
         One colour for each setting; bands of RMSE are 95 % intervals over runs.
     """
-    return draw(sweep_scene(result, states, step), backend, dark)
+    return draw(sweep_scene(result, states, step, settings), backend, dark)
 
 
 def heat_figure(
@@ -66,7 +73,8 @@ def heat_figure(
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
-    """A score over two parameters; settings with an honest mean NEES are outlined.
+    """A score over two parameters; outlined are settings whose mean NEES over the states has a 95 %
+    interval that holds 1.
 
     Parameters
     ----------
@@ -75,27 +83,36 @@ def heat_figure(
     x, y
         The parameters; where the grid has others too, the first value of each is drawn.
     score
-        Which of ``result.scores``; darker is more.
+        Which of ``result.scores``; darker is more. NEES and NIS are red where they are above 1,
+        blue below.
     backend, dark
         As for :func:`sweep_figure`.
     """
     return draw(heat_scene(result, x, y, score), backend, dark)
 
 
-def sweep_scene(result: SweepResult, states: Sequence[str] | None, step: float | None) -> Scene:
+def sweep_scene(
+    result: SweepResult,
+    states: Sequence[str] | None = None,
+    step: float | None = None,
+    settings: Sequence[int] | None = None,
+) -> Scene:
     """The panels of :func:`sweep_figure`."""
     frame = Frame()
+    drawn = _nearest_to_honest(result) if settings is None else list(settings)
+    if not drawn or not all(0 <= i < len(result.grid) for i in drawn):
+        raise ValueError(f"settings must be of the {len(result.grid)} of the grid, got {drawn}")
     n = result.rmse.shape[2]
     names = list(states) if states is not None else [f"state {j}" for j in range(n)]
     if len(names) != n:
         raise ValueError(f"states has {len(names)} names, the filter has {n}")
-    top, lower = frame.rows(_title_room(result), [250.0, 210.0], 72.0)
+    top, lower = frame.rows(_title_room(len(drawn)), [250.0, 210.0], 72.0)
     time = floats(np.arange(result.rmse.shape[1]) * (1.0 if step is None else step))
     axis = "time step" if step is None else "time (s)"
-    panels = [_honesty(result, time, axis, top)]
+    panels = [_honesty(result, drawn, settings is None, time, axis, top)]
     columns = frame.columns(lower.top, lower.height, n)
     panels += [
-        _accuracy(result, j, name, time, axis, place)
+        _accuracy(result, drawn, j, name, time, axis, place)
         for j, (name, place) in enumerate(zip(names, columns, strict=True))
     ]
     subtitle = f"{result.runs} runs of each setting; bands are 95 % intervals"
@@ -105,24 +122,43 @@ def sweep_scene(result: SweepResult, states: Sequence[str] | None, step: float |
     )
 
 
-def _title_room(result: SweepResult) -> float:
+def _nearest_to_honest(result: SweepResult) -> list[int]:
+    """As many settings as there are colours, in the order of the grid."""
+    if len(result.grid) <= TRACK_COLOURS:
+        return list(range(len(result.grid)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.abs(np.log(np.nanmean(result.anees, axis=1)))
+    return sorted(np.argsort(distance, kind="stable")[:TRACK_COLOURS].tolist())
+
+
+def _title_room(settings: int) -> float:
     """Pixels above the panels: the title, and the rows of the legend on its right."""
-    return max(92.0, 40.0 + 18.0 * math.ceil(len(result.grid) / LEGEND_COLUMNS))
+    return max(92.0, 40.0 + 18.0 * math.ceil(settings / LEGEND_COLUMNS))
 
 
-def _honesty(result: SweepResult, time: Floats, axis: str, place: Rectangle) -> Panel:
-    limits = log_limits([result.anees.ravel(), np.ravel(result.anees_interval)])
+def _honesty(
+    result: SweepResult,
+    drawn: list[int],
+    nearest: bool,
+    time: Floats,
+    axis: str,
+    place: Rectangle,
+) -> Panel:
+    limits = log_limits([result.anees[drawn].ravel(), np.ravel(result.anees_interval)])
     marks: list[Mark] = []
     for low, high in np.atleast_2d(result.anees_interval)[:1]:
         marks.append(Level(float(low), "consistent/0.25", top=float(high)))
     marks.append(Level(1.0, "muted/0.8"))
-    for i, settings in enumerate(result.grid):
+    some = ""
+    if len(drawn) < len(result.grid):
+        some = f", {len(drawn)} of {len(result.grid)} settings" + ", the nearest" * nearest
+    for k, i in enumerate(drawn):
         y = on_log_axis(result.anees[i], limits)
-        marks.append(Line(time, y, *_style(i), name=label(settings)))
+        marks.append(Line(time, y, *_style(k), name=label(result.grid[i])))
     return Panel(
         place,
         tuple(marks),
-        title="ANEES / states; the band is where an honest filter lies",
+        title=f"ANEES / states{some}; the band is where an honest filter lies",
         x_label=axis,
         y_label="ANEES",
         log=True,
@@ -133,21 +169,28 @@ def _honesty(result: SweepResult, time: Floats, axis: str, place: Rectangle) -> 
 
 
 def _accuracy(
-    result: SweepResult, j: int, name: str, time: Floats, axis: str, place: Rectangle
+    result: SweepResult,
+    drawn: list[int],
+    j: int,
+    name: str,
+    time: Floats,
+    axis: str,
+    place: Rectangle,
 ) -> Panel:
     marks: list[Mark] = []
-    for i, settings in enumerate(result.grid):
-        colour, width, dash = _style(i)
+    for k, i in enumerate(drawn):
+        colour, width, dash = _style(k)
         low, high = result.rmse_interval[i, :, j].T
         marks.append(Band(time, low, high, f"{colour}/0.15"))
-        marks.append(Line(time, result.rmse[i, :, j], colour, width, dash, name=label(settings)))
+        line = Line(time, result.rmse[i, :, j], colour, width, dash, name=label(result.grid[i]))
+        marks.append(line)
     return Panel(
         place,
         tuple(marks),
         title=f"RMSE of {name}",
         x_label=axis,
         x_limits=_ends(time),
-        y_limits=linear_limits([result.rmse_interval[:, :, j].ravel()], (0.0, 0.0)),
+        y_limits=linear_limits([result.rmse_interval[drawn, :, j].ravel()], (0.0, 0.0)),
     )
 
 
@@ -177,7 +220,7 @@ def heat_scene(result: SweepResult, x: str, y: str, score: str) -> Scene:
     cells = _cells(result, x, y, score)
     frame = Frame(width=240.0 + 90.0 * len(columns), left=110.0)
     (place,) = frame.rows(64.0, [60.0 * len(rows)], 0.0)
-    marks = _shades(cells)
+    marks = _shades(cells, score)
     honest = {at for at, (_, ok) in cells.items() if ok}
     marks += [Line(floats(a), floats(b), "ink", 2.4) for a, b in _outline(honest)]
     panel = Panel(
@@ -191,7 +234,9 @@ def heat_scene(result: SweepResult, x: str, y: str, score: str) -> Scene:
         x_label=x,
         linked=False,
     )
-    subtitle = "outlined: the 95 % interval of mean NEES / states holds 1"
+    subtitle = "outlined: honest at 95 %"
+    if score in _HONEST_AT_ONE:
+        subtitle += "; red: optimistic, blue: pessimistic"
     height = place.top + place.height + frame.bottom
     return Scene(frame.width, height, (panel,), f"{score} over {x} and {y}", subtitle)
 
@@ -219,16 +264,21 @@ def _cells(
     return cells
 
 
-def _shades(cells: dict[tuple[int, int], tuple[float, bool]]) -> list[Mark]:
-    """A box and its number for each cell, darker for more."""
+def _shades(cells: dict[tuple[int, int], tuple[float, bool]], score: str) -> list[Mark]:
+    """A box and its number for each cell.
+
+    Darker is more; NEES and NIS are red above and blue below 1, the darker the farther.
+    """
     values = floats([value for value, _ in cells.values()])
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depths = np.log(values) if score in _HONEST_AT_ONE else values - np.nanmin(values)
+    deepest = np.max(np.abs(depths[np.isfinite(depths)]), initial=0.0) or 1.0
     marks: list[Mark] = []
-    for (i, k), (value, _) in cells.items():
-        share = 0.0 if high == low or np.isnan(value) else (value - low) / (high - low)
-        role = f"low/{0.08 + 0.6 * share:.3f}"
+    for ((i, k), (value, _)), depth in zip(cells.items(), depths, strict=True):
+        colour = "high" if score in _HONEST_AT_ONE and depth > 0 else "low"
+        share = float(min(abs(depth) / deepest, 1.0)) if not np.isnan(depth) else 0.0
         edges = (floats([i - 0.5]), floats([i + 0.5]), floats([k - 0.5]), floats([k + 0.5]))
-        marks.append(Boxes(*edges, role, name=f"{value:.4g}"))
+        marks.append(Boxes(*edges, f"{colour}/{0.04 + 0.64 * share:.3f}", name=f"{value:.4g}"))
         marks.append(Text(float(i), float(k), f"{value:.3g}", "ink", anchor="center"))
     return marks
 
