@@ -67,7 +67,10 @@ def nees(
     nan_where_invalid: bool,
 ) -> Any: ...
 def nees_inflation(
-    transitions: NDArray[np.float64], covariances: NDArray[np.float64], starts: NDArray[np.int64]
+    transitions: NDArray[np.float64],
+    covariances: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    known: NDArray[np.int64] | None,
 ) -> NDArray[np.float64]: ...
 def nees_sequence(
     true_states: Any,

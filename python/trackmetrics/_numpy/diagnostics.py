@@ -98,17 +98,28 @@ def sampled_shapley_shares(errors: Floats, covariances: Floats, orders: Integers
     return shares / len(rows)
 
 
-def nees_inflation(transitions: Floats, covariances: Floats, starts: Integers) -> Floats:
-    """By how much correlation in time widens each NEES of many tracks."""
+def nees_inflation(
+    transitions: Floats, covariances: Floats, starts: Integers, known: Integers | None
+) -> Floats:
+    """By how much correlation in time widens each NEES of many tracks.
+
+    Where only some components of an error are ``known`` (1, else 0), the correlation of all is seen
+    through the basis of these.
+    """
     plain(transitions, covariances)
-    plain_ids(starts)
+    plain_ids(starts, known)
     if len(transitions) != len(covariances):
         found, expected = len(transitions), len(covariances)
         raise messages.length("transitions", found, "covariances", expected, "matrices")
     for argument, values in (("transitions", transitions), ("covariances", covariances)):
         _check_finite(argument, values)
     _check_starts("covariances", starts, len(covariances))
-    factors, d = _factors(covariances), covariances.shape[1]
+    d = covariances.shape[1]
+    if known is not None and len(known) != len(covariances) * d:
+        expected = len(covariances) * d
+        raise messages.length("known", len(known), "covariances", expected, "components")
+    factors = _factors(covariances)
+    views = _views(factors, known)
     tau = np.ones(len(covariances))
     for a, b in pairwise(starts):
         steps = [
@@ -118,12 +129,22 @@ def nees_inflation(transitions: Floats, covariances: Floats, starts: Integers) -
             product = np.eye(d)
             for step in range(k - 1, max(k - 1 - LONGEST, -1), -1):
                 product = product @ steps[step]
-                shared = float((product**2).sum())
-                if shared < FORGOTTEN:
+                if (product**2).sum() < FORGOTTEN:
                     break
-                tau[a + k] += shared / d
-                tau[a + step] += shared / d
+                left, right = views[a + k], views[a + step]
+                shared = float(((left @ product @ right.T) ** 2).sum())
+                tau[a + k] += shared / max(len(left), 1)
+                tau[a + step] += shared / max(len(right), 1)
     return tau
+
+
+def _views(factors: Floats, known: Integers | None) -> list[Floats]:
+    """Of each error's whitened components a basis of those that tell the known ones."""
+    d = factors.shape[1]
+    if known is None:
+        return [np.eye(d)] * len(factors)
+    rows = [f[k] for f, k in zip(factors, known.reshape(-1, d) != 0, strict=True)]
+    return [np.linalg.solve(np.linalg.cholesky(row @ row.T), row) for row in rows]
 
 
 def _best(sums: Floats, dof: Floats) -> Floats:

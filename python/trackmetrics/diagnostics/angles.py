@@ -112,7 +112,7 @@ def _courses(log: EstimatorLog, course: int, place: tuple[int, int]) -> tuple[Fl
     over_ground, said = [], []
     latitude = log.state_names[place[0]].lower().startswith("lat")
     for track in log.tracks:
-        x = _complete(log[track])
+        x = _complete(log[track], [*place, course])
         north, east = np.diff(x[:, place[0]]), np.diff(x[:, place[1]])
         if latitude:
             east = east * np.cos(np.radians(x[1:, place[0]]))
@@ -122,8 +122,9 @@ def _courses(log: EstimatorLog, course: int, place: tuple[int, int]) -> tuple[Fl
     return np.concatenate(over_ground), np.concatenate(said)
 
 
-def _complete(columns: Columns) -> Floats:
+def _complete(columns: Columns, states: Sequence[int]) -> Floats:
+    """The rows in which these states are known."""
     x = columns.x
     assert x is not None
-    complete: Floats = x[~np.isnan(x).any(axis=1)]
+    complete: Floats = x[~np.isnan(x[:, states]).any(axis=1)]
     return complete

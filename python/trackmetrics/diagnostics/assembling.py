@@ -7,8 +7,7 @@ import numpy as np
 from trackmetrics import _chi2
 from trackmetrics.diagnostics import words
 from trackmetrics.diagnostics.angles import Unwrapped
-from trackmetrics.diagnostics.building import observed_mask
-from trackmetrics.diagnostics.columns import Columns, Floats, present
+from trackmetrics.diagnostics.columns import Columns, Floats, components, incomplete
 from trackmetrics.diagnostics.innovations import Offset
 from trackmetrics.diagnostics.judging import (
     InnovationFindings,
@@ -32,7 +31,13 @@ from trackmetrics.diagnostics.results import (
 )
 from trackmetrics.diagnostics.series import Stretch
 from trackmetrics.diagnostics.state_bias import StateOffset
-from trackmetrics.diagnostics.states import Attribution, attribute, state_records, weakest
+from trackmetrics.diagnostics.states import (
+    Attribution,
+    attribute,
+    observed_states,
+    state_records,
+    weakest,
+)
 
 FAILING = VERDICTS[: VERDICTS.index("transient") + 1]
 """Verdicts that say that an error is larger than claimed."""
@@ -162,9 +167,9 @@ def _segment(stretch: Stretch, quantity: Quantity, time: Floats) -> Segment:
 
 def _observed(columns: Columns, names: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
     """The states that each measurement type observes."""
-    if columns.observed is None or columns.measurement_type is None:
+    mask = observed_states(columns, len(names))
+    if mask is None or columns.measurement_type is None:
         return {}
-    mask = observed_mask(columns.observed, len(names))
     seen: dict[str, tuple[str, ...]] = {}
     for kind in dict.fromkeys(columns.measurement_type):
         if kind is not None:
@@ -186,7 +191,7 @@ def _attribution(nees: Quantity, columns: Columns) -> Attribution | None:
     stretches = [s for s in nees.trace.stretches if s.label == "high"]
     kept = nees.rows[nees.trace.kept]
     rows = kept[stretches[-1].start : stretches[-1].stop] if stretches else kept
-    rows = rows[present(columns.error[rows]) & present(columns.P[rows])]
+    rows = rows[components(columns.error[rows], columns.P[rows]).any(axis=1)]
     return attribute(columns.error[rows], columns.P[rows]) if len(rows) else None
 
 
@@ -206,6 +211,21 @@ def _weakest(
     if verdict == "biased":
         return max(biases, key=lambda b: abs(b.z)).component if biases else None
     return weakest(states)
+
+
+def _incomplete(columns: Columns) -> list[str]:
+    """How many vectors lack components that others of their kind have."""
+    states = np.full(len(columns), "state", object)
+    found = []
+    for vectors, kinds, what in (
+        (columns.innovation, columns.measurement_type, "innovation"),
+        (columns.error, states, "error"),
+    ):
+        lacking = 0 if vectors is None else int(incomplete(vectors, kinds).sum())
+        if lacking:
+            some = f"{lacking} {what}s lack" if lacking > 1 else f"1 {what} lacks"
+            found.append(f"{some} components; what is left counts with its degrees of freedom.")
+    return found
 
 
 def _innovation_biases(evidence: Evidence, offsets: tuple[Offset, ...]) -> tuple[Bias, ...]:
@@ -277,8 +297,9 @@ _TYPICAL = 5.0
 
 
 def _notes(evidence: Evidence) -> tuple[str, ...]:
-    """Suspicions about angles."""
+    """Suspicions about angles, and which vectors lack components."""
     angles, time, notes = evidence.angles, evidence.columns.time, list(evidence.warnings)
+    notes += _incomplete(evidence.columns)
     unit = evidence.log.time_unit
     for rows, text in (
         (angles.proven, "the logged NIS is that of an innovation that was not wrapped"),

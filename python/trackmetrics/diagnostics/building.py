@@ -95,8 +95,8 @@ def _state_width(given: Mapping[str, Any]) -> int:
     for name in forms.STATE_MATRICES:
         if name in given:
             return max((np.shape(v)[0] for v in given[name] if np.ndim(v) == 2), default=0)
-    if "nees" in given:
-        raise ValueError("nees needs the number of states: give state_dim or states")
+    if "nees" in given and "nees_dof" not in given:
+        raise ValueError("nees needs the number of states: give state_dim, states or nees_dof")
     return 0
 
 

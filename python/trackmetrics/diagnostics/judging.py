@@ -6,7 +6,7 @@ import numpy as np
 
 from trackmetrics import _chi2
 from trackmetrics.diagnostics import innovations as nu
-from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
 from trackmetrics.diagnostics.deriving import quadratic_forms
 from trackmetrics.diagnostics.grammar import Word
 from trackmetrics.diagnostics.innovations import Correlation, Innovations, Offset
@@ -70,13 +70,9 @@ def judge_innovations(
     """The verdict on the NIS in the light of the innovations (wrapped) of its settled part."""
     if values is None or columns.S is None:
         return nis, InnovationFindings()
-    rows = nis.settled_rows()
-    rows = rows[present(values[rows]) & present(columns.S[rows])]
-    if len(rows) < nu.LEAST_UPDATES:
+    found = _settled_innovations(nis, columns, values, columns.S)
+    if len(found) < nu.LEAST_UPDATES:
         return nis, InnovationFindings()
-    types = columns.measurement_type
-    kinds = np.full(len(rows), "", object) if types is None else types[rows].astype(str)
-    found = Innovations(values[rows], columns.S[rows], kinds.astype(object))
     biases = [o for o in nu.offsets(found) if o.p_value < level]
     white = nu.correlation(nu.without(found, biases))
     if biases and white.sign(level) > 0:
@@ -94,6 +90,20 @@ def judge_innovations(
     return nis.called(verdict), InnovationFindings(tuple(biases), white, cause)
 
 
+def _settled_innovations(
+    nis: Quantity, columns: Columns, values: Floats, covariances: Floats
+) -> Innovations:
+    """The innovations of the settled part, of each the components that have a variance."""
+    rows = nis.settled_rows()
+    there = components(values[rows], covariances[rows])
+    some = there.any(axis=1)
+    rows, there = rows[some], there[some]
+    types = columns.measurement_type
+    kinds = np.full(len(rows), "", object) if types is None else types[rows].astype(str)
+    kept = np.where(there, values[rows], np.nan)
+    return Innovations(kept, covariances[rows], kinds.astype(object))
+
+
 def _only_an_end(word: Word) -> bool:
     """Whether an end of the track is too large where the stretches are not."""
     return word.by_end and not word.verdict.endswith("pessimistic")
@@ -101,8 +111,7 @@ def _only_an_end(word: Word) -> bool:
 
 def _leaning(innovations: Innovations) -> str:
     """What to call innovations that are correlated in time: by their size, if it says anything."""
-    dof = float((~np.isnan(innovations.values)).sum())
-    total = float((nu.whitened(innovations) ** 2).sum())
+    total, dof = innovations.scale
     if _chi2.sf(total, dof) < LEANING / 2:
         return "optimistic"
     if _chi2.cdf(total, dof) < LEANING / 2:
@@ -116,8 +125,7 @@ def _biased(verdict: str, found: Innovations, clean: Innovations) -> str:
         return "biased"
     if verdict != "optimistic":
         return verdict
-    dof = float((~np.isnan(found.values)).sum())
-    before, after = (float((nu.whitened(i) ** 2).sum()) / dof for i in (found, clean))
+    before, after = (total / dof for total, dof in (found.scale, clean.scale))
     return "biased" if before - after > EXPLAINED * (before - 1.0) else verdict
 
 
@@ -144,9 +152,10 @@ def judge_errors(
     if columns.error is None or columns.P is None:
         return nees, ()
     rows = nees.settled_rows()
-    rows = rows[present(columns.error[rows]) & present(columns.P[rows])]
-    e, p = columns.error[rows], columns.P[rows]
-    steps = None if columns.A is None else transitions(columns, rows)
+    there = components(columns.error[rows], columns.P[rows])
+    rows, there = rows[there.any(axis=1)], there[there.any(axis=1)]
+    e, p = np.where(there, columns.error[rows], np.nan), columns.P[rows]
+    steps = None if columns.A is None or not there.all() else transitions(columns, rows)
     biases = tuple(o for o in state_offsets(e, p, steps) if o.p_value < level)
     verdict = nees.word.verdict
     open_to_bias = ("consistent", "optimistic", "transient", "outliers", "partly_pessimistic")
@@ -162,9 +171,9 @@ def _explains(
     bias = np.zeros(errors.shape[1])
     for offset in biases:
         bias[offset.state] = offset.value
+    dof = float((~np.isnan(errors)).sum())
     before, after = (
-        float(quadratic_forms(e, covariances).mean()) / errors.shape[1]
-        for e in (errors, errors - bias)
+        float(quadratic_forms(e, covariances).sum()) / dof for e in (errors, errors - bias)
     )
     if before < MATERIAL:
         return min(b.p_value for b in biases) < level / 4

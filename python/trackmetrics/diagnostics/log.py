@@ -96,17 +96,18 @@ class EstimatorLog:
             ``track`` (default: one track), ``time`` (default: 0, 1, ... in each track),
             ``status`` (``"tentative"`` or ``"active"``), ``measurement_type``, ``observed`` (the
             states that each component of the measurement observes, by name or index); of each row
-            one number: ``nis``, ``nis_dof``, ``nees``; a vector of the measurement: ``z``,
-            ``innovation``; a vector of the state: ``x_pred``, ``x``, ``truth``, ``error``, ``std``;
-            a matrix: ``S``, ``R``, ``P_pred``, ``P``, ``A`` (covariances also as the upper
-            triangle). Rows are in the order of time within each track; None or NaN is missing.
+            one number: ``nis``, ``nis_dof``, ``nees``, ``nees_dof``; a vector of the measurement:
+            ``z``, ``innovation``; a vector of the state: ``x_pred``, ``x``, ``truth``, ``error``,
+            ``std``; a matrix: ``S``, ``R``, ``P_pred``, ``P``, ``A`` (covariances also as the upper
+            triangle). Rows are in the order of time within each track; None or NaN is missing, a
+            row or single components of it (of a matrix with their rows and columns).
 
         Returns
         -------
         EstimatorLog
             With NIS from ``innovation`` and ``S`` (and these from ``z``, ``x_pred``, ``P_pred``,
             ``R`` and ``observed``), errors from ``x`` and ``truth``, and NEES from errors and ``P``
-            where absent.
+            where absent, each over the components that there are, with so many degrees of freedom.
 
         Raises
         ------
@@ -120,7 +121,7 @@ class EstimatorLog:
         --------
         >>> EstimatorLog.from_columns(nis=[2.0, 1.5, 0.3], nis_dof=[2, 4, 2], nees=[4.0, 5.5, 3.9],
         ...                           state_dim=5)
-        EstimatorLog(1 track, 3 updates, columns: nis, nis_dof, nees)
+        EstimatorLog(1 track, 3 updates, columns: nis, nis_dof, nees, nees_dof)
         """
         from trackmetrics.diagnostics.building import Header, build
 

@@ -58,23 +58,29 @@ def records(log: EstimatorLog) -> Iterator[dict[str, Any]]:
                 if column is not None and column[row] is not None:
                     record[name] = column[row]
             if columns.observed is not None:
-                record["observed"] = [int(i) for i in columns.observed[row] if i >= 0]
+                record["observed"] = _until_last(columns.observed[row], columns.observed[row] >= 0)
             for name, there in logged.items():
                 if there[row]:
                     record[name] = _cell(name, getattr(columns, name)[row])
             yield record
 
 
-def _cell(name: str, value: Floats) -> float | list[float]:
+def _cell(name: str, value: Floats) -> Any:
+    """A number, or a list of numbers in which None stands for what is missing before the last."""
     if name in NUMBERS:
         return float(value)
     if value.ndim == 1:
-        return [float(v) for v in value[~np.isnan(value)]]
-    size = int((~np.isnan(value.diagonal())).sum())
+        return _until_last(value, ~np.isnan(value))
+    size = len(_until_last(value.diagonal(), ~np.isnan(value.diagonal())))
     value = value[:size, :size]
-    if name in COVARIANCES:
-        return [float(v) for v in value[np.triu_indices(size)]]
-    return [float(v) for v in value.ravel()]
+    flat = value[np.triu_indices(size)] if name in COVARIANCES else value.ravel()
+    return [None if v != v else v for v in flat.tolist()]
+
+
+def _until_last(values: Any, there: Any) -> list[Any]:
+    """The values up to the last that is there."""
+    stop = int(np.flatnonzero(there)[-1]) + 1 if there.any() else 0
+    return [None if v != v else v for v in values[:stop].tolist()]
 
 
 def _write_json_lines(log: EstimatorLog, path: Path) -> None:

@@ -14,7 +14,7 @@ from trackmetrics.diagnostics import (
     State,
     TrackDiagnosis,
 )
-from trackmetrics.diagnostics.columns import Columns
+from trackmetrics.diagnostics.columns import Columns, incomplete
 from trackmetrics.report.marks import Floats, floats
 from trackmetrics.report.theme import TrackStyle, track_styles
 
@@ -89,8 +89,8 @@ class Subject:
         values = self.column(quantity)
         if values is None:
             return np.empty(0), np.empty(0)
-        own = self.column("nis_dof") if quantity == "nis" else None
-        dof = np.full(len(values), float(len(self.states) or np.nan)) if own is None else own
+        own = self.column(f"{quantity}_dof")
+        dof = np.full(len(values), np.nan) if own is None else own
         dof = np.where(np.isfinite(values), dof, np.nan)
         return values / dof, dof
 
@@ -116,6 +116,12 @@ class Subject:
                 chosen = np.array([k == kind for k in kinds]) & (tentative == hollow)
                 if chosen.any():
                     yield kind or "update", symbol, hollow, chosen
+
+    def lacking(self) -> Any:
+        """Which updates lack a component of their measurement."""
+        if self.rows is None or self.rows.innovation is None:
+            return np.zeros(len(self.minutes), bool)
+        return incomplete(self.rows.innovation, self.rows.measurement_type)
 
     def _tentative(self) -> Any:
         assert self.rows is not None

@@ -88,6 +88,7 @@ pub(crate) fn nees_inflation<'py>(
     transitions: Floats<'_, 3>,
     covariances: Floats<'_, 3>,
     starts: Integers<'_>,
+    known: Option<Integers<'_>>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let dimension = covariances.shape[1];
     let tau = py
@@ -97,6 +98,7 @@ pub(crate) fn nees_inflation<'py>(
                 covariances.values,
                 dimension,
                 starts.values,
+                known.as_ref().map(|known| known.values),
             )
         })
         .map_err(raise)?;
