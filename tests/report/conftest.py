@@ -193,6 +193,7 @@ def track_diagnosis(like, log, name, verdict):
         updates=len(rows),
         tentative=int((~good).sum()),
         repeated=0,
+        log_start=log.start_time,
         start_time=float(rows.time[0]),
         stop_time=float(rows.time[-1]),
         longest_gap=300.0,

@@ -19,17 +19,16 @@ from trackmetrics.diagnostics.judging import (
 from trackmetrics.diagnostics.live import first_alarm
 from trackmetrics.diagnostics.log import EstimatorLog
 from trackmetrics.diagnostics.outlying import LEAST_UPDATES, robust_scale
-from trackmetrics.diagnostics.results import (
+from trackmetrics.diagnostics.records import (
     VERDICTS,
     Bias,
     Outlier,
     QuantityVerdict,
     Segment,
     StateDiagnosis,
-    TrackDiagnosis,
     Whiteness,
 )
-from trackmetrics.diagnostics.series import Stretch
+from trackmetrics.diagnostics.results import TrackDiagnosis
 from trackmetrics.diagnostics.state_bias import StateOffset
 from trackmetrics.diagnostics.states import (
     Attribution,
@@ -38,6 +37,8 @@ from trackmetrics.diagnostics.states import (
     state_records,
     weakest,
 )
+from trackmetrics.diagnostics.timeline import Timeline
+from trackmetrics.diagnostics.trace import Stretch
 
 FAILING = VERDICTS[: VERDICTS.index("transient") + 1]
 """Verdicts that say that an error is larger than claimed."""
@@ -96,6 +97,7 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
         observed=_observed(columns, log.state_names),
         notes=_notes(evidence),
         time_unit=log.time_unit,
+        log_start=log.start_time,
     )
 
 
@@ -300,7 +302,7 @@ def _notes(evidence: Evidence) -> tuple[str, ...]:
     """Suspicions about angles, and which vectors lack components."""
     angles, time, notes = evidence.angles, evidence.columns.time, list(evidence.warnings)
     notes += _incomplete(evidence.columns)
-    unit = evidence.log.time_unit
+    timeline = Timeline(evidence.log.start_time, evidence.log.time_unit)
     for rows, text in (
         (angles.proven, "the logged NIS is that of an innovation that was not wrapped"),
         (
@@ -313,6 +315,6 @@ def _notes(evidence: Evidence) -> tuple[str, ...]:
         ),
     ):
         if rows.any():
-            count, first = int(rows.sum()), words.when(float(time[rows][0]), unit)
+            count, first = int(rows.sum()), timeline.at(float(time[rows][0]))
             notes.append(f"At {count} update{'s' * (count > 1)} (first at {first}) {text}.")
     return tuple(notes)

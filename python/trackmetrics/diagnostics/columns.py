@@ -25,6 +25,7 @@ MEASUREMENTS = ("z", "innovation")
 MEASUREMENT_MATRICES = ("S", "R")
 WORDS = ("status", "measurement_type")
 FLOATS = NUMBERS + STATES + STATE_MATRICES + MEASUREMENTS + MEASUREMENT_MATRICES
+KNOWN = ("track", "time", "observed", *WORDS, *FLOATS)
 COVARIANCES = ("P_pred", "P", "S", "R")
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from trackmetrics.diagnostics.checking import check_covariances, completed, unit_diagonal
 from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
-from trackmetrics.diagnostics.log import State
+from trackmetrics.diagnostics.header import State
 
 Angles = Mapping[str, Mapping[int, float]]
 
@@ -155,6 +155,13 @@ def components_observed(columns: Columns) -> Integers | None:
         return columns.observed
     lacking = np.isnan(columns.innovation) & present(columns.innovation)[:, None]
     return np.where(lacking, -1, columns.observed)
+
+
+def observed_mask(observed: Integers, states: int) -> Any:
+    """``(rows, n)``: which states each row observes."""
+    mask = np.zeros((len(observed), states + 1), bool)
+    np.put_along_axis(mask, observed, True, axis=1)
+    return mask[:, :states]
 
 
 def _observed_states(states: Floats, observed: Integers) -> Floats:

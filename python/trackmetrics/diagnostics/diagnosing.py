@@ -13,15 +13,13 @@ from trackmetrics.diagnostics.judging import Quantity, transitions
 from trackmetrics.diagnostics.log import EstimatorLog
 from trackmetrics.diagnostics.results import Diagnosis
 from trackmetrics.diagnostics.series import (
-    LEAST_UPDATES,
-    Candidates,
-    Trace,
     autocorrelation_time,
     candidates,
     chosen,
     cut,
     scores_within,
 )
+from trackmetrics.diagnostics.trace import LEAST_UPDATES, Candidates, Trace
 
 LEVEL = 0.004
 """Chance of a false alarm of each family of tests."""

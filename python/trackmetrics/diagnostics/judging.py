@@ -11,8 +11,8 @@ from trackmetrics.diagnostics.deriving import quadratic_forms
 from trackmetrics.diagnostics.grammar import Word
 from trackmetrics.diagnostics.innovations import Correlation, Innovations, Offset
 from trackmetrics.diagnostics.outlying import robust_scale
-from trackmetrics.diagnostics.series import MATERIAL, Stretch, Trace
 from trackmetrics.diagnostics.state_bias import StateOffset, state_offsets
+from trackmetrics.diagnostics.trace import MATERIAL, Stretch, Trace
 
 EXPLAINED = 0.5
 """Share of the excess that a bias must take away to be the verdict."""

@@ -13,7 +13,7 @@ from math import log
 import numpy as np
 
 from trackmetrics.diagnostics.columns import Floats
-from trackmetrics.diagnostics.results import Record
+from trackmetrics.diagnostics.records import Record
 
 TOO_LARGE = 2.5
 TOO_SMALL = 0.4

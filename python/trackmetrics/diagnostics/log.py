@@ -1,26 +1,16 @@
 """A log of an estimator: one row per update, many tracks, whatever columns there are."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.diagnostics.columns import Columns
-
-
-@dataclass(frozen=True)
-class State:
-    """A state of the estimator, by name."""
-
-    name: str
-    """Its name."""
-    unit: str = ""
-    """Its unit; empty where nobody said."""
-    period: float | None = None
-    """The period of an angle in that unit (360 for degrees), None for what is not an angle."""
+from trackmetrics.diagnostics import sources, tables, writing
+from trackmetrics.diagnostics.building import build
+from trackmetrics.diagnostics.columns import FLOATS, Columns, present
+from trackmetrics.diagnostics.header import Header, State
 
 
 class EstimatorLog:
@@ -123,10 +113,8 @@ class EstimatorLog:
         ...                           state_dim=5)
         EstimatorLog(1 track, 3 updates, columns: nis, nis_dof, nees, nees_dof)
         """
-        from trackmetrics.diagnostics.building import Header, build
-
         header = Header(states, state_dim, angles or {}, measurement_angles or {}, time_unit)
-        return build(columns, header)
+        return cls(*build(columns, header))
 
     @classmethod
     def from_frame(
@@ -146,11 +134,9 @@ class EstimatorLog:
         :meth:`from_columns`; a vector is a column of lists, or a list of columns:
         ``{"nis_dof": "df", "std": ["std_x", "std_y"]}``.
         """
-        from trackmetrics.diagnostics.building import Header
-        from trackmetrics.diagnostics.reading import from_frame
-
         header = Header(states, state_dim, angles or {}, measurement_angles or {}, time_unit)
-        return from_frame(frame, columns, header)
+        table = tables.chosen(tables.from_frame(frame), columns or {})
+        return cls(*build(table, header))
 
     @classmethod
     def from_filterpy(
@@ -169,11 +155,8 @@ class EstimatorLog:
         The saver is called once after each update. ``truth`` holds the true states, ``times`` the
         times, one for each epoch; with several savers, dictionaries of them by name.
         """
-        from trackmetrics.diagnostics.building import Header
-        from trackmetrics.diagnostics.sources import from_filterpy
-
         header = Header(states, None, angles or {}, measurement_angles or {}, time_unit)
-        return from_filterpy(savers, truth, times, header)
+        return cls(*build(sources.from_filterpy(savers, truth, times), header))
 
     @classmethod
     def from_stone_soup(
@@ -190,11 +173,8 @@ class EstimatorLog:
         ``truths`` gives the ground truth path of a track, by the track or by its id; it is matched
         by time stamps.
         """
-        from trackmetrics.diagnostics.building import Header
-        from trackmetrics.diagnostics.sources import from_stone_soup
-
         header = Header(states, None, angles or {}, measurement_angles or {}, "s")
-        return from_stone_soup(tracks, truths, header)
+        return cls(*build(sources.from_stone_soup(tracks, truths), header))
 
     def __getitem__(self, track: str) -> Columns:
         """The columns of one track."""
@@ -219,14 +199,17 @@ class EstimatorLog:
         return slice(self.starts[track], self.starts[track + 1])
 
     @property
+    def start_time(self) -> float:
+        """Time of the first update of any track."""
+        return float(self.columns.time.min())
+
+    @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states."""
         return tuple(state.name for state in self.states)
 
     def was_logged(self, column: str) -> NDArray[np.bool_]:
         """Which rows of a column hold a value that was read, not computed here."""
-        from trackmetrics.diagnostics.columns import present
-
         values = getattr(self.columns, column)
         if values is None:
             return np.zeros(len(self), bool)
@@ -234,14 +217,21 @@ class EstimatorLog:
 
     def write(self, path: str | Path) -> None:
         """Write the log to a ``.jsonl``, ``.csv`` or ``.parquet`` file, for :func:`read_log`."""
-        from trackmetrics.diagnostics.writing import write_log
-
-        write_log(self, path)
+        header = writing.header(self.states, self.measurement_angles, self.time_unit)
+        logged = {n: self.was_logged(n) for n in FLOATS if getattr(self.columns, n) is not None}
+        records = (
+            record
+            for t, track in enumerate(self.tracks)
+            for record in writing.records(
+                track,
+                self.columns.take(self.rows(t)),
+                {name: there[self.rows(t)] for name, there in logged.items()},
+            )
+        )
+        writing.write(Path(path), header, records)
 
     def __repr__(self) -> str:
         """Its size and columns."""
-        from trackmetrics.diagnostics.columns import FLOATS
-
         names = ", ".join(name for name in FLOATS if getattr(self.columns, name) is not None)
         tracks = f"{len(self.tracks)} track{'s' if len(self.tracks) != 1 else ''}"
         return f"EstimatorLog({tracks}, {len(self)} updates, columns: {names})"

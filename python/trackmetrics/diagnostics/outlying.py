@@ -1,15 +1,12 @@
 """Isolated values that are far too large: bad measurements, to be reported before anything else."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from trackmetrics import _chi2
 from trackmetrics.diagnostics.columns import Floats, Integers
-
-if TYPE_CHECKING:
-    from trackmetrics.diagnostics.series import Trace
+from trackmetrics.diagnostics.trace import Trace
 
 LEAST_UPDATES = 10
 MOST = 0.12
@@ -22,7 +19,7 @@ NEAR = 3
 """Large values that are no further apart belong together."""
 
 
-def set_aside(traces: Sequence["Trace"], level: float) -> None:
+def set_aside(traces: Sequence[Trace], level: float) -> None:
     """Takes outliers out of ``kept``: extreme under the robust scale of the rest, and alone."""
     for trace in _suspicious(traces, level):
         outliers: Integers = np.empty(0, np.int64)
@@ -36,7 +33,7 @@ def set_aside(traces: Sequence["Trace"], level: float) -> None:
         trace.outliers = tuple(outliers.tolist())
 
 
-def _suspicious(traces: Sequence["Trace"], level: float) -> list["Trace"]:
+def _suspicious(traces: Sequence[Trace], level: float) -> list[Trace]:
     """Those with any value that is extreme under a scale of 1: the robust scale is never less."""
     if not traces:
         return []

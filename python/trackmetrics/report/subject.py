@@ -15,6 +15,7 @@ from trackmetrics.diagnostics import (
     TrackDiagnosis,
 )
 from trackmetrics.diagnostics.columns import Columns, incomplete
+from trackmetrics.diagnostics.timeline import Timeline
 from trackmetrics.report.marks import Floats, floats
 from trackmetrics.report.theme import TrackStyle, track_styles
 
@@ -132,7 +133,7 @@ class Subject:
 def subjects(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[Subject]:
     """Every track of a diagnosis, the most severe first."""
     styles = track_styles(diagnosis)
-    clock = _clock(diagnosis, log)
+    clock = _clock(diagnosis)
     span = (0.0, max((clock.at(t.stop_time) for t in diagnosis.values()), default=1.0) or 1.0)
     symbols = _symbols(log)
     return [
@@ -149,11 +150,12 @@ def subjects(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[Subject]:
     ]
 
 
-def _clock(diagnosis: Diagnosis, log: EstimatorLog | None) -> Clock:
-    unit = "s" if log is None else log.time_unit
-    origin = min((t.start_time for t in diagnosis.values()), default=0.0)
+def _clock(diagnosis: Diagnosis) -> Clock:
+    timeline = next((t.timeline for t in diagnosis.values()), Timeline(0.0, "s"))
+    origin, unit = timeline.start, timeline.unit
+    moment = f", {timeline.moment}" if timeline.moment else ""
     if unit in _MINUTE:
-        return Clock(origin, _MINUTE[unit])
+        return Clock(origin, _MINUTE[unit], f"minutes since start{moment}")
     return Clock(origin, 1.0, f"time since start ({unit})")
 
 
