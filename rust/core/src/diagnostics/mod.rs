@@ -5,4 +5,5 @@ pub mod attribution;
 pub mod best_split;
 pub mod inflation;
 mod likelihood;
+mod optimal;
 pub mod segmentation;
