@@ -106,6 +106,30 @@ def test_best_splits_are_the_definition(least, n, seed):
         assert found.tolist() == pytest.approx(expected if n else [], rel=1e-9, abs=1e-9)
 
 
+@given(sequences(), st.sampled_from([0.4, 2.5]), st.sampled_from([0.01, 0.5]))
+def test_alarms_are_the_definition(sequence, scale, chance):
+    values, dof = sequence
+    n = len(values)
+    rises = [
+        -m / 2 * log(scale) + c / 2 * (1 - 1 / scale) for c, m in zip(values, dof, strict=True)
+    ]
+    expected, largest = [-1, -1], np.finfo(float).max
+    for k in range(n):
+        # The largest sum of values that end here, and the latest beginning of it.
+        sums = [sum(rises[j : k + 1]) for j in range(k + 1)]
+        largest = max(sums)
+        if largest > log(n / chance):
+            expected = [k, max(j for j in range(k + 1) if sums[j] == pytest.approx(largest))]
+            break
+    starts = np.array([0, n])
+    for module in BACKENDS:
+        found = module.first_alarms(values, dof, starts, scale, chance)
+        assert found.shape == (1, 2)
+        assert found[0, 0] == expected[0]
+        if expected[0] >= 0:
+            assert sum(rises[found[0, 1] : found[0, 0] + 1]) == pytest.approx(largest)
+
+
 def shapley(error, covariance):
     """The definition: mean contribution over all orders of joining."""
     d = len(error)
@@ -189,6 +213,11 @@ BAD = [
     ("scale_partitions", (ONE, ONE, np.empty(0, np.int64), 2, 4)),
     ("scale_partitions", (ONE, ONE, ZERO_ONE, 0, 4)),
     ("scale_partitions", (ONE, ONE, ZERO_ONE, 2, 0)),
+    ("first_alarms", (-ONE, ONE, ZERO_ONE, 2.0, 0.1)),
+    ("first_alarms", (ONE, np.ones(2), ZERO_ONE, 2.0, 0.1)),
+    ("first_alarms", (ONE, ONE, np.array([0, 2]), 2.0, 0.1)),
+    ("first_alarms", (ONE, ONE, ZERO_ONE, 0.0, 0.1)),
+    ("first_alarms", (ONE, ONE, ZERO_ONE, 2.0, np.inf)),
     ("best_split_gains", (np.full((1, 2), np.inf), np.ones(2), 1)),
     ("best_split_gains", (np.ones((1, 2)), np.zeros(2), 1)),
     ("shapley_shares", (np.ones((1, 2)), -EYE)),

@@ -25,8 +25,6 @@ def scale_partitions(
     """
     plain(values, dof)
     plain_ids(starts)
-    if len(dof) != len(values):
-        raise messages.length("dof", len(dof), "values", len(values), "values")
     _check_values(values, dof)
     _check_starts("values", starts, len(values))
     for argument, count in (("least", least), ("most", most)):
@@ -60,6 +58,32 @@ def best_split_gains(draws: Floats, dof: Floats, least: int) -> Floats:
     total, all_dof = sums[:, -1:], dofs[-1]
     gains: Floats = (_best(left, m) + _best(total - left, all_dof - m)).max(axis=1)
     return gains - _best(total, all_dof)[:, 0]
+
+
+def first_alarms(
+    values: Floats, dof: Floats, starts: Integers, scale: float, chance: float
+) -> Integers:
+    """Where a cumulative sum of log-likelihood ratios first passes its threshold, and began to.
+
+    For each sequence the alarm and the last lowest sum before it; -1 where there is no alarm.
+    """
+    plain(values, dof)
+    plain_ids(starts)
+    _check_values(values, dof)
+    _check_starts("values", starts, len(values))
+    for argument, value in (("scale", scale), ("chance", chance)):
+        if not (value > 0 and np.isfinite(value)):
+            raise messages.parameter(argument, "positive", value)
+    rises = values * ((1 - 1 / scale) / 2) - dof * (np.log(scale) / 2)
+    found = np.full((len(starts) - 1, 2), -1, np.int64)
+    for alarm, (a, b) in zip(found, pairwise(starts), strict=True):
+        sums = np.concatenate([[0.0], np.cumsum(rises[a:b])])
+        lowest = np.minimum.accumulate(sums)
+        above = np.flatnonzero(sums - lowest > np.log(max(b - a, 1) / chance))
+        if len(above):
+            k = above[0] - 1
+            alarm[:] = k, np.flatnonzero(sums[: k + 1] == lowest[k])[-1]
+    return found
 
 
 def shapley_shares(errors: Floats, covariances: Floats) -> Floats:
@@ -272,6 +296,8 @@ def _check_finite(argument: str, values: Floats) -> None:
 
 
 def _check_values(values: Floats, dof: Floats) -> None:
+    if len(dof) != len(values):
+        raise messages.length("dof", len(dof), "values", len(values), "values")
     good = np.isfinite(values) & (values >= 0) & np.isfinite(dof) & (dof > 0)
     if good.all():
         return

@@ -16,9 +16,8 @@ from trackmetrics.diagnostics.judging import (
     judge_innovations,
     reconciled,
 )
-from trackmetrics.diagnostics.live import first_alarm
 from trackmetrics.diagnostics.log import EstimatorLog
-from trackmetrics.diagnostics.outlying import LEAST_UPDATES, robust_scale
+from trackmetrics.diagnostics.outlying import LEAST_UPDATES, is_suspicious, robust_scale
 from trackmetrics.diagnostics.records import (
     VERDICTS,
     Bias,
@@ -117,7 +116,7 @@ def quantity_verdict(name: str, quantity: Quantity, columns: Columns) -> Quantit
     """The public record of a judged quantity."""
     trace, rows, time = quantity.trace, quantity.rows, columns.time
     settled = quantity.settled()
-    alarm = first_alarm(trace.values, trace.dof) if trace.sufficient else None
+    alarm = trace.alarm
     nan = float("nan")
 
     def row(k: int | None) -> int | None:
@@ -141,14 +140,8 @@ def quantity_verdict(name: str, quantity: Quantity, columns: Columns) -> Quantit
         alarm_index=row(alarm[0] if alarm else None),
         alarm_time=at(alarm[0] if alarm else None),
         alarm_onset_time=at(alarm[1] if alarm else None),
-        inflation=_middle(quantity.inflation),
+        inflation=quantity.inflation,
     )
-
-
-def _middle(values: Floats) -> float:
-    """The median, the upper one of two; np.median costs ten times as much."""
-    half = len(values) // 2
-    return float(np.partition(values, half)[half]) if len(values) else 1.0
 
 
 def _segment(stretch: Stretch, quantity: Quantity, time: Floats) -> Segment:
@@ -274,9 +267,9 @@ def _outliers(nis: Quantity, columns: Columns, level: float) -> tuple[Outlier, .
     trace = nis.trace
     if not trace.sufficient:
         return ()
-    values, dof = trace.kept_values()
-    if not trace.outliers and values.max() < _TYPICAL * dof.max():
+    if not trace.outliers and not is_suspicious(trace, level):
         return ()
+    values, dof = trace.kept_values()
     scale = robust_scale(values, dof)
     p_values = np.asarray(_chi2.sf(trace.values / scale, trace.dof))
     found = set(trace.outliers)
@@ -292,10 +285,6 @@ def _outliers(nis: Quantity, columns: Columns, level: float) -> tuple[Outlier, .
         )
         for k in sorted(found)
     )
-
-
-_TYPICAL = 5.0
-"""Values below this many times their degrees of freedom are never outliers."""
 
 
 def _notes(evidence: Evidence) -> tuple[str, ...]:

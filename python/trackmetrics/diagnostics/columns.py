@@ -7,7 +7,7 @@ measurement; a whole row. Covariances may also come as their upper triangles, ro
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -82,8 +82,7 @@ class Columns:
 
     def take(self, rows: Any) -> "Columns":
         """These rows of every column."""
-        present = {f.name: getattr(self, f.name) for f in fields(self)}
-        return replace(self, **{k: v[rows] for k, v in present.items() if v is not None})
+        return Columns(**{k: v[rows] for k, v in vars(self).items() if v is not None})
 
     def with_(self, **columns: Any) -> "Columns":
         """The same with other values in some columns."""

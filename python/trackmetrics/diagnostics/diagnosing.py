@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _backend
+from trackmetrics.consistency.correlation import correlation_times
 from trackmetrics.diagnostics.angles import Unwrapped, radians_in_degrees, unwrapped
 from trackmetrics.diagnostics.assembling import Evidence, assemble
 from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
@@ -12,13 +13,7 @@ from trackmetrics.diagnostics.grammar import describe
 from trackmetrics.diagnostics.judging import Quantity, transitions
 from trackmetrics.diagnostics.log import EstimatorLog
 from trackmetrics.diagnostics.results import Diagnosis
-from trackmetrics.diagnostics.series import (
-    autocorrelation_time,
-    candidates,
-    chosen,
-    cut,
-    scores_within,
-)
+from trackmetrics.diagnostics.series import Pair, candidates, cut, edges, scores_within
 from trackmetrics.diagnostics.trace import LEAST_UPDATES, Candidates, Trace
 
 LEVEL = 0.004
@@ -120,7 +115,7 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
     return Diagnosis(tuple(found), warnings)
 
 
-_Parts = tuple[Trace, Integers, Floats]
+_Parts = tuple[Trace, Integers, float]
 
 
 def _judged(parts: list[_Parts | None], level: float) -> list[Quantity | None]:
@@ -135,7 +130,7 @@ def _judged(parts: list[_Parts | None], level: float) -> list[Quantity | None]:
 def _nothing() -> Quantity:
     """A quantity that the log does not have."""
     trace = Trace(np.empty(0), np.empty(0), True)
-    return Quantity(trace, np.empty(0, np.int64), np.empty(0), describe(trace, LEVEL))
+    return Quantity(trace, np.empty(0, np.int64), 1.0, describe(trace, LEVEL))
 
 
 def _nis_parts(columns: Columns) -> _Parts | None:
@@ -146,7 +141,7 @@ def _nis_parts(columns: Columns) -> _Parts | None:
     if columns.status is not None:
         usable &= columns.status != "tentative"
     rows = np.flatnonzero(usable)
-    return Trace(columns.nis[rows], columns.nis_dof[rows], True), rows, np.ones(len(rows))
+    return Trace(columns.nis[rows], columns.nis_dof[rows], True), rows, 1.0
 
 
 def _nees_parts(log: EstimatorLog, tracks: list[Columns], level: float) -> list[_Parts | None]:
@@ -161,19 +156,27 @@ def _nees_parts(log: EstimatorLog, tracks: list[Columns], level: float) -> list[
         pairs.append((c.nees[rows[-1]], c.nees_dof[rows[-1]]))
     inflation = _inflation(tracks, rows, pairs, level)
     return [
-        (Trace(v / tau, d / tau, False, found=found), r, tau) if len(r) else None
+        (Trace(v / tau, d / tau, False, found=found), r, _middle(tau)) if len(r) else None
         for (v, d), r, (tau, found) in zip(pairs, rows, inflation, strict=True)
     ]
 
 
+def _middle(tau: Floats | float) -> float:
+    """The median, the upper one of two; np.median costs ten times as much."""
+    if isinstance(tau, float):
+        return tau
+    half = len(tau) // 2
+    return float(np.partition(tau, half)[half])
+
+
 def _inflation(
-    tracks: list[Columns], rows: list[Integers], pairs: list[tuple[Floats, Floats]], level: float
-) -> list[tuple[Floats, Candidates | None]]:
+    tracks: list[Columns], rows: list[Integers], pairs: list[Pair], level: float
+) -> list[tuple[Floats | float, Candidates | None]]:
     """tau of every NEES: from the model where A and P are logged, else from the values.
 
     One tau for all values of a track scales every gain and moves no cut.
     """
-    tau: list[tuple[Floats, Candidates | None]] = [(np.ones(len(r)), None) for r in rows]
+    tau: list[tuple[Floats | float, Candidates | None]] = [(1.0, None)] * len(rows)
     modelled = [i for i, (c, r) in enumerate(zip(tracks, rows, strict=True)) if _has_model(c, r)]
     if modelled:
         steps = np.concatenate([transitions(tracks[i], rows[i]) for i in modelled])
@@ -181,14 +184,15 @@ def _inflation(
         starts = np.concatenate([[0], np.cumsum([len(rows[i]) for i in modelled])])
         known = np.concatenate([_known(tracks[i], rows[i]) for i in modelled])
         mask = None if known.all() else known.astype(np.int64).ravel()
-        found = _backend.kernels.nees_inflation(steps, claims, starts.astype(np.int64), mask)
+        model = _backend.kernels.nees_inflation(steps, claims, starts.astype(np.int64), mask)
         for i, a, b in zip(modelled, starts[:-1], starts[1:], strict=True):
-            tau[i] = found[a:b], None
+            tau[i] = model[a:b], None
     free = [i for i, r in enumerate(rows) if i not in set(modelled) and len(r) >= LEAST_UPDATES]
-    for i, best in zip(free, candidates([pairs[i] for i in free]), strict=True):
-        scores = scores_within(*pairs[i], chosen(pairs[i], best, level, corrected=False))
-        time = autocorrelation_time(scores)
-        tau[i] = np.full(len(scores), time), Candidates(best.gains / time, best.cuts)
+    chosen = [pairs[i] for i in free]
+    best = candidates(chosen)
+    times = correlation_times(scores_within(chosen, edges(chosen, best, level))).tolist()
+    for i, time, found in zip(free, times, best, strict=True):
+        tau[i] = time, Candidates(found.gains / time, found.cuts)
     return tau
 
 

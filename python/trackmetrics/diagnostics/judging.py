@@ -31,10 +31,11 @@ class Quantity:
     """The NIS or the NEES of a track: its values, where they stand, and the verdict so far."""
 
     trace: Trace
-    """Values over ``inflation``."""
+    """Values over their inflation by what correlates in time."""
     rows: Integers
     """The update of each value."""
-    inflation: Floats
+    inflation: float
+    """The median of these factors."""
     word: Word
 
     def settled(self) -> Stretch | None:

@@ -55,6 +55,8 @@ class EstimatorLog:
         """How many repeated rows of each track were dropped."""
         self.time_unit = time_unit
         """Unit of the times."""
+        self.start_time = float(columns.time[list(self.starts[:-1])].min())
+        """Time of the first update of any track."""
 
     @classmethod
     def from_columns(
@@ -197,11 +199,6 @@ class EstimatorLog:
     def rows(self, track: int) -> slice:
         """The rows of the track of this index."""
         return slice(self.starts[track], self.starts[track + 1])
-
-    @property
-    def start_time(self) -> float:
-        """Time of the first update of any track."""
-        return float(self.columns.time.min())
 
     @property
     def state_names(self) -> tuple[str, ...]:

@@ -34,7 +34,7 @@ def set_aside(traces: Sequence[Trace], level: float) -> None:
 
 
 def _suspicious(traces: Sequence[Trace], level: float) -> list[Trace]:
-    """Those with any value that is extreme under a scale of 1: the robust scale is never less."""
+    """Those with any value that may be extreme."""
     if not traces:
         return []
     tails = _chi2.sf(
@@ -42,16 +42,20 @@ def _suspicious(traces: Sequence[Trace], level: float) -> list[Trace]:
     )
     starts = np.concatenate([[0], np.cumsum([len(s.values) for s in traces])[:-1]])
     least = np.minimum.reduceat(tails, starts)
-    return [
-        s
-        for s, p in zip(traces, least, strict=True)
-        if len(s.values) >= LEAST_UPDATES and p < level / len(s.values)
-    ]
+    for trace, tail in zip(traces, least.tolist(), strict=True):
+        trace.least_tail = tail
+    return [t for t in traces if len(t.values) >= LEAST_UPDATES and is_suspicious(t, level)]
+
+
+def is_suspicious(trace: Trace, level: float) -> bool:
+    """Whether any value is extreme under a scale of 1: the robust scale is never less."""
+    return trace.least_tail < level / len(trace.values)
 
 
 def robust_scale(values: Floats, dof: Floats) -> float:
     """The median of the values over the median that chi-square promises, at least 1."""
-    return max(1.0, float(np.median(values / _chi2.quantile(0.5, dof))))
+    kinds, which = np.unique(dof, return_inverse=True)
+    return max(1.0, float(np.median(values / _chi2.quantile(0.5, kinds)[which])))
 
 
 def _isolated(values: Floats, dof: Floats, scale: float, level: float) -> Integers:

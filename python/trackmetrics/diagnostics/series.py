@@ -10,8 +10,10 @@ from itertools import pairwise
 import numpy as np
 
 from trackmetrics import _backend, _chi2
+from trackmetrics.consistency.correlation import correlation_times
 from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Floats, Integers
+from trackmetrics.diagnostics.live import first_alarms
 from trackmetrics.diagnostics.outlying import set_aside
 from trackmetrics.diagnostics.penalties import deserved
 from trackmetrics.diagnostics.trace import (
@@ -22,6 +24,13 @@ from trackmetrics.diagnostics.trace import (
     Stretch,
     Trace,
 )
+
+Pair = tuple[Floats, Floats]
+"""Values and their degrees of freedom."""
+CORRELATED = 1.3
+"""Correlation time above which cuts cost more."""
+LEAST_CORRELATED = 20
+"""Updates from which on a correlation time can be told."""
 
 
 def cut(traces: Sequence[Trace], level: float) -> None:
@@ -36,21 +45,39 @@ def cut(traces: Sequence[Trace], level: float) -> None:
         trace.stretches = stretches
     _drop_spikes([s for s in enough if s.spikes])
     _test_ends(enough, pairs)
+    for trace, alarm in zip(enough, first_alarms([(t.values, t.dof) for t in enough]), strict=True):
+        trace.alarm = alarm
 
 
-def _all_edges(
-    traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]], level: float
-) -> list[list[int]]:
-    """Where each trace is cut; those that come with candidates are not searched again."""
-    new = candidates([p for t, p in zip(traces, pairs, strict=True) if t.found is None])
-    left = iter(new)
-    return [
-        chosen(pair, trace.found or next(left), level, corrected=trace.spikes)
-        for trace, pair in zip(traces, pairs, strict=True)
-    ]
+def _all_edges(traces: Sequence[Trace], pairs: Sequence[Pair], level: float) -> list[list[int]]:
+    """Where each trace is cut; those that come with candidates are not searched again.
+
+    The penalty of NIS is raised by the correlation time of the normal scores within the longest
+    stretch found first, where that is material.
+    """
+    new = iter(candidates([p for t, p in zip(traces, pairs, strict=True) if t.found is None]))
+    found = [trace.found or next(new) for trace in traces]
+    cuts = edges(pairs, found, level)
+    doubtful = [i for i, t in enumerate(traces) if t.spikes and _is_doubtful(cuts[i])]
+    # Of the longest stretch: what a fault does to later values is no property of the data.
+    longest = [_longest(pairs[i], cuts[i]) for i in doubtful]
+    times = correlation_times(scores_within(longest, [[0, len(v)] for v, _ in longest]))
+    for i, time in zip(doubtful, times, strict=True):
+        if time > CORRELATED:
+            cuts[i] = _edges(pairs[i], found[i], level, float(time))
+    return cuts
 
 
-def candidates(pairs: Sequence[tuple[Floats, Floats]]) -> list[Candidates]:
+def _is_doubtful(edges: Sequence[int]) -> bool:
+    return len(edges) > 2 and edges[-1] >= LEAST_CORRELATED
+
+
+def _longest(pair: Pair, edges: Sequence[int]) -> Pair:
+    a, b = max(pairwise(edges), key=lambda edge: edge[1] - edge[0])
+    return pair[0][a:b], pair[1][a:b]
+
+
+def candidates(pairs: Sequence[Pair]) -> list[Candidates]:
     """The best partitions of every sequence, in one go."""
     if not pairs:
         return []
@@ -62,55 +89,37 @@ def candidates(pairs: Sequence[tuple[Floats, Floats]]) -> list[Candidates]:
     return [Candidates(g, c) for g, c in zip(gains, cuts, strict=True)]
 
 
-def chosen(
-    pair: tuple[Floats, Floats], found: Candidates, level: float, corrected: bool
-) -> list[int]:
-    """Where a sequence is cut: the edges of its stretches.
+def edges(pairs: Sequence[Pair], found: Sequence[Candidates], level: float) -> list[list[int]]:
+    """Where each sequence is cut: the edges of its stretches."""
+    return [_edges(pair, best, level) for pair, best in zip(pairs, found, strict=True)]
 
-    With ``corrected`` the penalty is raised by the integrated autocorrelation time of the normal
-    scores within the longest stretch found first, where that is material.
-    """
-    values, dof = pair
-    n = len(values)
-    count = deserved(found.gains, dof, LEAST_SEGMENT, level) if n >= 2 * LEAST_SEGMENT else 0
-    if count and corrected and n >= 20:
-        # Of the longest stretch: what a fault does to later values is no property of the data.
-        a, b = max(pairwise(found.edges(count, n)), key=lambda edge: edge[1] - edge[0])
-        tau = autocorrelation_time(scores_within(values[a:b], dof[a:b], [0, b - a]))
-        if tau > 1.3:
-            count = deserved(found.gains, dof, LEAST_SEGMENT, level, tau)
+
+def _edges(pair: Pair, found: Candidates, level: float, factor: float = 1.0) -> list[int]:
+    """Those of one sequence, each cut of which costs its penalty times ``factor``."""
+    n = len(pair[0])
+    count = 0
+    if n >= 2 * LEAST_SEGMENT:
+        count = deserved(found.gains, pair[1], LEAST_SEGMENT, level, factor)
     return found.edges(count, n)
 
 
-def scores_within(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
-    """Normal scores of values under the scale of their own stretch."""
-    scales = np.concatenate(
-        [np.full(b - a, values[a:b].sum() / dof[a:b].sum()) for a, b in pairwise(edges)]
-    )
-    return laws.normal_scores(values / np.maximum(scales, 1e-300), dof)
+def scores_within(pairs: Sequence[Pair], edges: Sequence[Sequence[int]]) -> list[Floats]:
+    """Normal scores of the values of each sequence under the scales of their own stretches."""
+    if not pairs:
+        return []
+    ratios = [v / _scales(v, d, places) for (v, d), places in zip(pairs, edges, strict=True)]
+    scores = laws.normal_scores(np.concatenate(ratios), np.concatenate([d for _, d in pairs]))
+    return np.split(scores, np.cumsum([len(ratio) for ratio in ratios])[:-1])
 
 
-def autocorrelation_time(values: Floats) -> float:
-    """Integrated autocorrelation time by Geyer's initial positive sequence (1992); at least 1.
-
-    doi:10.1214/ss/1177011137.
-    """
-    n = len(values)
-    x = values - values.mean()
-    variance = float(x @ x)
-    if n < 4 or variance <= 1e-24 * n:
-        return 1.0
-    time = 1.0
-    for lag in range(1, n // 3, 2):
-        pair = float(x[:-lag] @ x[lag:] + x[: -lag - 1] @ x[lag + 1 :]) / variance
-        if pair <= 0:
-            break
-        time += 2.0 * pair
-    return float(min(max(time, 1.0), n / 3))
+def _scales(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
+    """The scale of each value's stretch."""
+    sums, dofs = (np.add.reduceat(column, edges[:-1]) for column in (values, dof))
+    return np.repeat(np.maximum(sums / dofs, 1e-300), np.diff(edges))
 
 
 def _tested(
-    pairs: Sequence[tuple[Floats, Floats]], edges: Sequence[Sequence[int]], level: float
+    pairs: Sequence[Pair], edges: Sequence[Sequence[int]], level: float
 ) -> list[tuple[Stretch, ...]]:
     """The stretches with their scales, intervals and corrected p-values."""
     sums, dofs = [], []
@@ -194,7 +203,7 @@ LONGEST_END = 8
 TESTS = 4.0
 
 
-def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) -> None:
+def _test_ends(traces: Sequence[Trace], pairs: Sequence[Pair]) -> None:
     """Is the beginning, or the end, too large against the rest and against chi-square itself?
 
     Both an F test and a chi-square test of the first (last) 1 to 8 values, corrected for their
@@ -211,7 +220,7 @@ def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) 
                 trace.start_p, trace.start_length = float(p), int(length)
 
 
-def _end_tests(pairs: Sequence[tuple[Floats, Floats]], reverse: bool) -> tuple[Floats, Integers]:
+def _end_tests(pairs: Sequence[Pair], reverse: bool) -> tuple[Floats, Integers]:
     """P-values of the ends of all traces, and the lengths that they are of."""
     lengths = np.array([len(values) for values, _ in pairs])
     starts = np.cumsum(lengths) - lengths

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from trackmetrics.consistency.correlation import correlation_times
 from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Floats
-from trackmetrics.diagnostics.series import autocorrelation_time
 
 LEAST_UPDATES = 8
 
@@ -36,8 +36,7 @@ def state_offsets(errors: Floats, covariances: Floats, steps: Floats | None) -> 
         return []
     if steps is None:
         std = np.sqrt(covariances.diagonal(axis1=1, axis2=2))
-        found = [_mean(errors[:, i], std[:, i]) for i in tested]
-        values, z, dof = np.array(found).T
+        values, z, dof = _means(errors[:, tested], std[:, tested])
     else:
         values, z, dof = _least_squares(errors, covariances, steps)
     p = laws.holm(laws.student_two_sided(z, dof))
@@ -45,15 +44,16 @@ def state_offsets(errors: Floats, covariances: Floats, steps: Floats | None) -> 
     return [StateOffset(*column) for column in columns]
 
 
-def _mean(errors: Floats, std: Floats) -> tuple[float, float, float]:
-    """Mean error, the same in standard deviations, and the degrees of freedom of these."""
-    known = ~np.isnan(errors)
-    ratios = errors[known] / std[known]
-    # As many independent ones as there are over their autocorrelation time.
-    worth = max(3.0, len(ratios) / autocorrelation_time(ratios))
-    spread = max(1.0, float(ratios.std(ddof=1)))
-    z = float(ratios.mean()) / (spread / worth**0.5)
-    return float(errors[known].mean()), z, worth - 1
+def _means(errors: Floats, std: Floats) -> tuple[Floats, Floats, Floats]:
+    """Mean errors, the same in standard deviations, and the degrees of freedom of these."""
+    known = [~np.isnan(column) for column in errors.T]
+    ratios = [(e / s)[k] for e, s, k in zip(errors.T, std.T, known, strict=True)]
+    # As many independent ones as there are over their correlation time.
+    counts = np.array([len(r) for r in ratios])
+    worth = np.maximum(3.0, counts / correlation_times(ratios))
+    spread = np.array([max(1.0, float(r.std(ddof=1))) for r in ratios])
+    means = np.array([float(r.mean()) for r in ratios])
+    return np.nanmean(errors, axis=0), means / (spread / np.sqrt(worth)), worth - 1
 
 
 def _least_squares(

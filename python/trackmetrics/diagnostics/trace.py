@@ -56,6 +56,8 @@ class Trace:
     spikes: bool
     """Whether these are NIS: single large values may be outliers, and what correlates in time is
     not yet accounted for. Values of NEES come divided by their autocorrelation time."""
+    least_tail: float = 1.0
+    """The smallest chance of any value under a scale of 1."""
     kept: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     """The values that are not set aside."""
     outliers: tuple[int, ...] = ()
@@ -68,6 +70,8 @@ class Trace:
     end_p: float = 1.0
     """The same of the end."""
     end_length: int = 0
+    alarm: tuple[int, int] | None = None
+    """Where an online monitor would have called, and where the rise began."""
     found: Candidates | None = None
     """Its partitions, where they are known."""
 

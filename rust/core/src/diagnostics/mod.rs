@@ -3,6 +3,7 @@
 
 pub mod attribution;
 pub mod best_split;
+pub mod cusum;
 pub mod inflation;
 mod likelihood;
 mod optimal;

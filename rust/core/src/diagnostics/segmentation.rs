@@ -72,16 +72,6 @@ pub fn flatten(partitions: &[Partitions], most: usize) -> (Vec<f64>, Vec<i64>) {
 }
 
 fn check(values: &[f64], dof: &[f64], starts: &[i64], least: usize, most: usize) -> Result<()> {
-    if dof.len() != values.len() {
-        let (found, expected) = (dof.len(), values.len());
-        return Err(Error::Length {
-            argument: "dof",
-            found,
-            other: "values",
-            expected,
-            unit: "values",
-        });
-    }
     check_values(values, dof)?;
     check_starts("values", starts, values.len())?;
     for (argument, count) in [("least", least), ("most", most)] {
@@ -92,7 +82,18 @@ fn check(values: &[f64], dof: &[f64], starts: &[i64], least: usize, most: usize)
     Ok(())
 }
 
-fn check_values(values: &[f64], dof: &[f64]) -> Result<()> {
+/// Values are finite and not negative, and each has a positive number of degrees of freedom.
+pub(super) fn check_values(values: &[f64], dof: &[f64]) -> Result<()> {
+    if dof.len() != values.len() {
+        let (found, expected) = (dof.len(), values.len());
+        return Err(Error::Length {
+            argument: "dof",
+            found,
+            other: "values",
+            expected,
+            unit: "values",
+        });
+    }
     for (index, (&value, &m)) in values.iter().zip(dof).enumerate() {
         if !value.is_finite() {
             return Err(Error::NotFinite { argument: "values", index: vec![index], value });
