@@ -314,17 +314,33 @@ def correlation_times(sequences: Sequence[Floats]) -> Floats:
     return times
 
 
+NEAR = 16
+"""Lags after which most sequences have forgotten, summed without a transform."""
+
+
 def _monotone_times(padded: Floats, lengths: NDArray[np.int64]) -> Floats:
     """Geyer's initial monotone sequence of each row: centred values with zeros behind."""
     size = padded.shape[1]
-    spectrum = np.fft.rfft(padded, 2 * size)
-    covariance = np.fft.irfft(spectrum.real**2 + spectrum.imag**2)[:, :size]
-    pairs = (covariance[:, ::2] + covariance[:, 1::2]) / covariance[:, :1]
-    inside = np.arange(1, size, 2) < lengths[:, None]
+    near = min(NEAR, size)
+    covariance = [np.einsum("kt,kt->k", padded[:, : size - d], padded[:, d:]) for d in range(near)]
+    times, ended = _sums_of_pairs(np.stack(covariance, axis=1), lengths)
+    if not ended.all():
+        spectrum = np.fft.rfft(padded[~ended], 2 * size)
+        covariances = np.fft.irfft(spectrum.real**2 + spectrum.imag**2)[:, :size]
+        times[~ended], _ = _sums_of_pairs(covariances, lengths[~ended])
+    return times
+
+
+def _sums_of_pairs(
+    covariances: Floats, lengths: NDArray[np.int64]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Times from the autocovariances of the first lags, and whether they were enough."""
+    pairs = (covariances[:, ::2] + covariances[:, 1::2]) / covariances[:, :1]
+    inside = np.arange(1, covariances.shape[1], 2) < lengths[:, None]
     counted = np.logical_and.accumulate((pairs > 0) & inside, axis=1)
     total = np.where(counted, np.minimum.accumulate(pairs, axis=1), 0.0).sum(axis=1)
     times: Floats = np.maximum(1.0, 2 * total - 1)
-    return times
+    return times, ~counted[:, -1] | (lengths <= covariances.shape[1])
 
 
 def nees_over_time(

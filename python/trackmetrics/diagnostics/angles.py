@@ -31,16 +31,22 @@ class Unwrapped:
     suspected: NDArray[np.bool_]
     """There is no NIS or no S to tell by, or the NIS is neither."""
 
+    def of(self, rows: slice) -> "Unwrapped":
+        """Those of some rows."""
+        return Unwrapped(self.proven[rows], self.harmless[rows], self.suspected[rows])
 
-def unwrapped(log: EstimatorLog, periods: Floats | None) -> Unwrapped:
-    """Every row of the log, held against its innovation's periods."""
-    none = np.zeros(len(log), bool)
+
+def unwrapped(log: EstimatorLog, periods: Floats | None) -> Unwrapped | None:
+    """Every row of the log, held against its innovation's periods; None if no row is beyond."""
     columns = log.columns
     if columns.innovation is None or periods is None:
-        return Unwrapped(none, none, none)
+        return None
     beyond = np.abs(columns.innovation) > periods / 2 * (1 + 1e-9)
     rows = beyond.any(axis=1) & log.was_logged("innovation")
-    if columns.S is None or columns.nis is None or not rows.any():
+    if not rows.any():
+        return None
+    none = np.zeros(len(log), bool)
+    if columns.S is None or columns.nis is None:
         return Unwrapped(none, none, rows)
     telling = rows & log.was_logged("nis")
     raw = quadratic_forms(columns.innovation, columns.S)

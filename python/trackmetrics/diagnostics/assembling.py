@@ -54,7 +54,8 @@ class Evidence:
     """Innovations, wrapped."""
     nis: Quantity
     nees: Quantity | None
-    angles: Unwrapped
+    angles: Unwrapped | None
+    """None where no innovation of the log is beyond half a period."""
     warnings: tuple[str, ...]
     level: float
 
@@ -63,7 +64,7 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
     """The record of a track."""
     columns, level = evidence.columns, evidence.level
     nis, found = judge_innovations(evidence.nis, columns, evidence.innovations, level)
-    if evidence.angles.proven.any():
+    if evidence.angles is not None and evidence.angles.proven.any():
         nis = nis.called("angle_wrap_bug")
     nees = evidence.nees
     errors: tuple[StateOffset, ...] = ()
@@ -210,13 +211,14 @@ def _weakest(
 
 def _incomplete(columns: Columns) -> list[str]:
     """How many vectors lack components that others of their kind have."""
-    states = np.full(len(columns), "state", object)
     found = []
     for vectors, kinds, what in (
         (columns.innovation, columns.measurement_type, "innovation"),
-        (columns.error, states, "error"),
+        (columns.error, "state", "error"),
     ):
-        lacking = 0 if vectors is None else int(incomplete(vectors, kinds).sum())
+        if vectors is None or not np.isnan(vectors).any():
+            continue
+        lacking = int(incomplete(vectors, kinds).sum())
         if lacking:
             some = f"{lacking} {what}s lack" if lacking > 1 else f"1 {what} lacks"
             found.append(f"{some} components; what is left counts with its degrees of freedom.")
@@ -288,9 +290,13 @@ def _outliers(nis: Quantity, columns: Columns, level: float) -> tuple[Outlier, .
 
 
 def _notes(evidence: Evidence) -> tuple[str, ...]:
-    """Suspicions about angles, and which vectors lack components."""
-    angles, time, notes = evidence.angles, evidence.columns.time, list(evidence.warnings)
-    notes += _incomplete(evidence.columns)
+    """Suspicions about the log, about angles, and which vectors lack components."""
+    angles = [] if evidence.angles is None else _about_angles(evidence, evidence.angles)
+    return (*evidence.warnings, *_incomplete(evidence.columns), *angles)
+
+
+def _about_angles(evidence: Evidence, angles: Unwrapped) -> list[str]:
+    time, notes = evidence.columns.time, []
     timeline = Timeline(evidence.log.start_time, evidence.log.time_unit)
     for rows, text in (
         (angles.proven, "the logged NIS is that of an innovation that was not wrapped"),
@@ -306,4 +312,4 @@ def _notes(evidence: Evidence) -> tuple[str, ...]:
         if rows.any():
             count, first = int(rows.sum()), timeline.at(float(time[rows][0]))
             notes.append(f"At {count} update{'s' * (count > 1)} (first at {first}) {text}.")
-    return tuple(notes)
+    return notes

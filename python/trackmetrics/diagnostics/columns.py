@@ -158,8 +158,13 @@ def present(column: Floats) -> NDArray[np.bool_]:
     return there
 
 
-def incomplete(vectors: Floats, kinds: Words | None) -> NDArray[np.bool_]:
-    """Which rows lack a component although they, or others of their kind, have a later one."""
+def incomplete(vectors: Floats, kinds: Words | str | None) -> NDArray[np.bool_]:
+    """Which rows lack a component although they, or others of their kind, have a later one.
+
+    A single word is the kind of all rows.
+    """
+    if isinstance(kinds, str):
+        kinds = np.full(len(vectors), kinds, object)
     there = ~np.isnan(vectors)
     lacking = np.zeros(len(vectors), bool)
     for kind in {None} if kinds is None else set(kinds):

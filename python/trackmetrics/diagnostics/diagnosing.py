@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from trackmetrics import _backend
 from trackmetrics.consistency.correlation import correlation_times
-from trackmetrics.diagnostics.angles import Unwrapped, radians_in_degrees, unwrapped
+from trackmetrics.diagnostics.angles import radians_in_degrees, unwrapped
 from trackmetrics.diagnostics.assembling import Evidence, assemble
 from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
 from trackmetrics.diagnostics.deriving import component_periods, wrapped
@@ -108,7 +108,7 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
         rows, values = log.rows(t), columns.innovation
         if values is not None and periods is not None:
             values = wrapped(values, periods[rows])
-        of_track = Unwrapped(angles.proven[rows], angles.harmless[rows], angles.suspected[rows])
+        of_track = None if angles is None else angles.of(rows)
         quantities = nis[t] or _nothing(), nees[t]
         evidence = Evidence(log, t, columns, values, *quantities, of_track, warnings, level)
         found.append(assemble(evidence))

@@ -37,13 +37,15 @@ def _suspicious(traces: Sequence[Trace], level: float) -> list[Trace]:
     """Those with any value that may be extreme."""
     if not traces:
         return []
-    tails = _chi2.sf(
-        np.concatenate([s.values for s in traces]), np.concatenate([s.dof for s in traces])
-    )
-    starts = np.concatenate([[0], np.cumsum([len(s.values) for s in traces])[:-1]])
-    least = np.minimum.reduceat(tails, starts)
-    for trace, tail in zip(traces, least.tolist(), strict=True):
-        trace.least_tail = tail
+    values = np.concatenate([t.values for t in traces])
+    dof = np.concatenate([t.dof for t in traces])
+    starts = np.cumsum([0, *(len(t.values) for t in traces)])
+    # Below this no value is extreme, whatever its degrees of freedom: few are left to look at.
+    large = np.flatnonzero(values > _chi2.upper_quantile(level / LEAST_UPDATES, dof.min()))
+    of_trace = np.searchsorted(starts, large, side="right") - 1
+    tails = _chi2.sf(values[large], dof[large])
+    for i, tail in zip(of_trace.tolist(), tails.tolist(), strict=True):
+        traces[i].least_tail = min(traces[i].least_tail, tail)
     return [t for t in traces if len(t.values) >= LEAST_UPDATES and is_suspicious(t, level)]
 
 

@@ -44,7 +44,7 @@ def cut(traces: Sequence[Trace], level: float) -> None:
     for trace, stretches in zip(enough, _tested(pairs, edges, level), strict=True):
         trace.stretches = stretches
     _drop_spikes([s for s in enough if s.spikes])
-    _test_ends(enough, pairs)
+    _test_ends(enough, pairs, level)
     for trace, alarm in zip(enough, first_alarms([(t.values, t.dof) for t in enough]), strict=True):
         trace.alarm = alarm
 
@@ -203,7 +203,7 @@ LONGEST_END = 8
 TESTS = 4.0
 
 
-def _test_ends(traces: Sequence[Trace], pairs: Sequence[Pair]) -> None:
+def _test_ends(traces: Sequence[Trace], pairs: Sequence[Pair], level: float) -> None:
     """Is the beginning, or the end, too large against the rest and against chi-square itself?
 
     Both an F test and a chi-square test of the first (last) 1 to 8 values, corrected for their
@@ -212,7 +212,7 @@ def _test_ends(traces: Sequence[Trace], pairs: Sequence[Pair]) -> None:
     if not traces:
         return
     for reverse in (False, True):
-        p_values, lengths = _end_tests(pairs, reverse)
+        p_values, lengths = _end_tests(pairs, level, reverse)
         for trace, p, length in zip(traces, p_values, lengths, strict=True):
             if reverse:
                 trace.end_p, trace.end_length = float(p), int(length)
@@ -220,7 +220,7 @@ def _test_ends(traces: Sequence[Trace], pairs: Sequence[Pair]) -> None:
                 trace.start_p, trace.start_length = float(p), int(length)
 
 
-def _end_tests(pairs: Sequence[Pair], reverse: bool) -> tuple[Floats, Integers]:
+def _end_tests(pairs: Sequence[Pair], level: float, reverse: bool) -> tuple[Floats, Integers]:
     """P-values of the ends of all traces, and the lengths that they are of."""
     lengths = np.array([len(values) for values, _ in pairs])
     starts = np.cumsum(lengths) - lengths
@@ -233,8 +233,11 @@ def _end_tests(pairs: Sequence[Pair], reverse: bool) -> tuple[Floats, Integers]:
     used = np.arange(LONGEST_END) < most[:, None]
     n, m = np.where(used, n, n[:, :1]), np.where(used, m, m[:, :1])
     rest = np.maximum(total - n, 1e-300) / (dof - m)
-    p = np.maximum(laws.ratio_tail(n / m / rest, m, dof - m), _chi2.sf(n, m))
-    p = np.where(used, p, 2.0)
+    p = np.where(used, _chi2.sf(n, m), 2.0)
+    # The F test can only raise what is small enough to matter.
+    small = p < level
+    tails = laws.ratio_tail((n / m / rest)[small], m[small], (dof - m)[small])
+    p[small] = np.maximum(p[small], tails)
     best = np.argmin(p, axis=1)
     corrected = p[np.arange(len(pairs)), best] * np.minimum(most, TESTS)
     return np.minimum(1.0, corrected), best + 1

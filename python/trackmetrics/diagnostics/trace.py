@@ -57,7 +57,7 @@ class Trace:
     """Whether these are NIS: single large values may be outliers, and what correlates in time is
     not yet accounted for. Values of NEES come divided by their autocorrelation time."""
     least_tail: float = 1.0
-    """The smallest chance of any value under a scale of 1."""
+    """The smallest chance of any value under a scale of 1; 1 if none is small."""
     kept: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     """The values that are not set aside."""
     outliers: tuple[int, ...] = ()
@@ -82,4 +82,6 @@ class Trace:
 
     def kept_values(self) -> tuple[Floats, Floats]:
         """Values and degrees of freedom without outliers."""
+        if len(self.kept) == len(self.values):
+            return self.values, self.dof
         return self.values[self.kept], self.dof[self.kept]
