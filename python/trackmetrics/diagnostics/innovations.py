@@ -71,14 +71,16 @@ class Offset:
 
 @dataclass(frozen=True)
 class Correlation:
-    """The correlation of whitened innovations with the next."""
+    """The correlation of whitened innovations with the next few."""
 
     lag1: float
     z: float
+    """In standard deviations: positive where they pull the same way, negative where they alternate;
+    whichever of the two weighted sums over the lags is further out."""
     p_value: float
     pairs: int
     late_z: float
-    """The same in standard deviations, of the second half alone."""
+    """The same sum over the second half alone."""
     late_scale: float
     """Mean square of the whitened innovations of the second half."""
 
@@ -194,30 +196,59 @@ CLIPPED = 3.0
 
 
 def correlation(innovations: Innovations) -> Correlation:
-    """Lag-1 correlation over the components that neighbours share."""
+    """How the components that an update shares with the next few agree with these."""
     white, there = innovations.white, innovations.there
     half = len(white) // 2
     late_scale = float((white[half:][there[half:]] ** 2).mean())
     most = CLIPPED * float(np.median(np.abs(white[there]))) / 0.6745
     white = np.clip(white, -most, most)
-    lag1, z, pairs = _lag1(white, there)
-    _, late_z, _ = _lag1(white[half:], there[half:])
+    lags = _lags(white, there)
+    slow, fast = _weighted(lags, SLOW), _weighted(lags, FAST)
+    z, weights = (slow, SLOW) if slow > -fast else (fast, FAST)
+    late_z = _weighted(_lags(white[half:], there[half:]), weights)
+    lag1, pairs = lags[0] if lags else (float("nan"), int((there[:-1] & there[1:]).sum()))
     return Correlation(lag1, z, float(laws.normal_two_sided(z)), pairs, late_z, late_scale)
 
 
+SLOW, FAST = (1.0, 0.85, 0.55, 0.4), (1.0, 0.3)
+"""Weights of the lags. A filter that follows too slowly leaves innovations that pull the same way
+for several updates; behind one that follows too fast they alternate once and are forgotten."""
 LASTING = 1.1
 """Scale that the second half must exceed for a cause to be named."""
 LOST = 30.0
 """Scale above which a filter has lost its target, and no noise explains it."""
 
 
-def _lag1(white: Floats, there: NDArray[np.bool_]) -> tuple[float, float, int]:
-    """Correlation with the next, in standard deviations, and over how many pairs."""
-    shared = there[:-1] & there[1:]
-    before, after = white[:-1][shared], white[1:][shared]
-    pairs = int(shared.sum())
-    power = 0.5 * float(before @ before + after @ after)
-    if pairs < LEAST_PAIRS or power <= 0:
-        return float("nan"), 0.0, pairs
-    lag1 = float(before @ after) / power
-    return lag1, lag1 * float(np.sqrt(pairs)), pairs
+def _lags(white: Floats, there: NDArray[np.bool_]) -> list[tuple[float, int]]:
+    """Correlation with each of the next updates, and over how many pairs, while there are any."""
+    found = []
+    for lag in range(1, min(len(SLOW), len(white) - 1) + 1):
+        shared = there[:-lag] & there[lag:]
+        before, after = white[:-lag][shared], white[lag:][shared]
+        power = 0.5 * float(before @ before + after @ after)
+        if len(before) < LEAST_PAIRS or power <= 0:
+            break
+        found.append((float(before @ after) / power, len(before)))
+    return found
+
+
+def _weighted(lags: list[tuple[float, int]], weights: tuple[float, ...]) -> float:
+    """The weighted sum of correlations, as a standard normal value at the same chance.
+
+    The sum is a quadratic form, and leans towards large values: its third cumulant comes from lags
+    of which two add up to another. A chi-square with that skewness stands for it.
+    """
+    parts = list(zip(weights, lags, strict=False))
+    if not parts:
+        return 0.0
+    used = [w for w, _ in parts]
+    variance = sum(w * w for w in used)
+    z = sum(w * r * n**0.5 for w, (r, n) in parts) / variance**0.5
+    triples = sum(
+        a * b * used[i + j + 1]
+        for i, a in enumerate(used)
+        for j, b in enumerate(used)
+        if i + j + 1 < len(used)
+    )
+    skewness = 6 * triples / variance**1.5 / lags[0][1] ** 0.5
+    return laws.normal_score_of_skewed(z, skewness)

@@ -6,6 +6,7 @@ import numpy as np
 
 from trackmetrics import _chi2
 from trackmetrics.diagnostics import innovations as nu
+from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
 from trackmetrics.diagnostics.deriving import quadratic_forms
 from trackmetrics.diagnostics.grammar import Word
@@ -22,6 +23,8 @@ FAR = 2.0
 """Scale of the NEES above which it should show a bias that is real."""
 WELL_BEFORE = 2 / 3
 """Share of the updates before a fault that stand for what was before it."""
+NAMING = 0.6
+"""Share of the level at which a correlation names a cause: a wrong one is worse than none."""
 LEANING = 0.05
 """Chance below which the size of correlated innovations decides what to call them."""
 
@@ -83,9 +86,9 @@ def judge_innovations(
     verdict = nis.word.verdict
     if biases:
         verdict = "biased" if _only_an_end(nis.word) else _biased(verdict, found, clean)
-    elif verdict == "consistent" and sign:
-        verdict = _leaning(clean)
-    cause = _cause(verdict, white.lasting_sign(level, high="optimistic" in verdict))
+    elif verdict == "consistent":
+        verdict = _leaning(clean) if sign else _together(clean, white, level)
+    cause = _cause(verdict, white.lasting_sign(NAMING * level, high="optimistic" in verdict))
     if cause == "measurement noise too small" and _heavy_tailed(nis, level):
         cause = None
     return nis.called(verdict), InnovationFindings(tuple(biases), white, cause)
@@ -112,12 +115,32 @@ def _only_an_end(word: Word) -> bool:
 
 def _leaning(innovations: Innovations) -> str:
     """What to call innovations that are correlated in time: by their size, if it says anything."""
-    total, dof = innovations.scale
+    return _called_by_size(*innovations.scale)
+
+
+def _called_by_size(total: float, dof: float) -> str:
     if _chi2.sf(total, dof) < LEANING / 2:
         return "optimistic"
     if _chi2.cdf(total, dof) < LEANING / 2:
         return "pessimistic"
     return "non_white"
+
+
+def _together(innovations: Innovations, white: Correlation, level: float) -> str:
+    """Size and correlation in time at once: each may say too little by itself.
+
+    Both are standard normal and independent for an honest filter. A noise that is wrong moves both;
+    their sum and their difference over the root of 2 are tested, since either sign may come with
+    either size.
+    """
+    total, dof = innovations.scale
+    if 1 / MATERIAL <= total / dof <= MATERIAL:
+        return "consistent"
+    size = float(laws.normal_scores(np.array([total]), np.array([dof]))[0])
+    z = (abs(size) + abs(white.z)) / 2**0.5
+    if 2 * laws.normal_two_sided(z) > level:
+        return "consistent"
+    return "optimistic" if size > 0 else "pessimistic"
 
 
 def _biased(verdict: str, found: Innovations, clean: Innovations) -> str:
@@ -196,8 +219,9 @@ def reconciled(
 
     What only an end of one of them shows gives way to a bias that the other shows: a filter absorbs
     a bias as it starts. A mean innovation is no bias where the errors are far too large and have no
-    mean; a mean error is none where both are smaller than claimed. And a NIS that diverges late is
-    optimistic where the NEES was so from the start.
+    mean; a mean error is none where both are smaller than claimed. Innovations that are correlated
+    in time are called by the size of the errors, if it says anything. And a NIS that diverges late
+    is optimistic where the NEES was so from the start.
     """
     if nees.word.verdict == "biased" and _only_an_end(nis.word):
         nis = replace(nis, word=Word("consistent"))
@@ -209,15 +233,22 @@ def reconciled(
     if nis.word.verdict == "biased" and unexplained and _scale(nees) > FAR:
         nis = replace(nis, word=Word("optimistic"))
     onset = nis.word.onset
+    if (nis.word.verdict, nees.word.verdict) == ("non_white", "consistent"):
+        nis = nis.called(_called_by_size(*_sums(nees)))
     late = (nis.word.verdict, nees.word.verdict) == ("late_divergence", "optimistic")
     if late and onset is not None and dishonest_before(nees, int(nis.rows[onset])):
         nis = replace(nis, word=Word("optimistic"))
     return nis, nees
 
 
-def _scale(quantity: Quantity) -> float:
+def _sums(quantity: Quantity) -> tuple[float, float]:
     values, dof = quantity.trace.kept_values()
-    return float(values.sum() / dof.sum())
+    return float(values.sum()), float(dof.sum())
+
+
+def _scale(quantity: Quantity) -> float:
+    total, dof = _sums(quantity)
+    return total / dof
 
 
 def dishonest_before(nees: Quantity, onset: int) -> bool:

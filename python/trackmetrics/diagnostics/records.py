@@ -142,16 +142,17 @@ class Bias(Record):
 
 @dataclass(frozen=True)
 class Whiteness(Record):
-    """Correlation of each whitened innovation with the next."""
+    """Correlation of each whitened innovation with the next few."""
 
     lag1: float
-    """Lag-1 correlation; 0 for an honest filter."""
+    """Correlation with the next; 0 for an honest filter."""
     z: float
-    """The same in standard deviations."""
+    """Weighted over the next few, in standard deviations: positive where innovations pull the same
+    way (over four updates), negative where they alternate (over two)."""
     p_value: float
     """Two-sided p-value."""
     pairs: int
-    """How many pairs of components went in."""
+    """How many pairs of components with the next went in."""
 
 
 @dataclass(frozen=True)
