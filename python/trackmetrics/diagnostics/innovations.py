@@ -210,7 +210,7 @@ def correlation(innovations: Innovations) -> Correlation:
     return Correlation(lag1, z, float(laws.normal_two_sided(z)), pairs, late_z, late_scale)
 
 
-SLOW, FAST = (1.0, 0.85, 0.55, 0.4), (1.0, 0.3)
+SLOW, FAST = (1.0, 0.5, 0.25), (1.0, 0.3)
 """Weights of the lags. A filter that follows too slowly leaves innovations that pull the same way
 for several updates; behind one that follows too fast they alternate once and are forgotten."""
 LASTING = 1.1

@@ -148,7 +148,7 @@ class Whiteness(Record):
     """Correlation with the next; 0 for an honest filter."""
     z: float
     """Weighted over the next few, in standard deviations: positive where innovations pull the same
-    way (over four updates), negative where they alternate (over two)."""
+    way (over three updates), negative where they alternate (over two)."""
     p_value: float
     """Two-sided p-value."""
     pairs: int

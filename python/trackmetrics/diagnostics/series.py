@@ -104,18 +104,15 @@ def _edges(pair: Pair, found: Candidates, level: float, factor: float = 1.0) -> 
 
 
 def scores_within(pairs: Sequence[Pair], edges: Sequence[Sequence[int]]) -> list[Floats]:
-    """Normal scores of the values of each sequence under the scales of their own stretches."""
-    if not pairs:
-        return []
-    ratios = [v / _scales(v, d, places) for (v, d), places in zip(pairs, edges, strict=True)]
-    scores = laws.normal_scores(np.concatenate(ratios), np.concatenate([d for _, d in pairs]))
-    return np.split(scores, np.cumsum([len(ratio) for ratio in ratios])[:-1])
+    """Nearly normal scores of the values of each sequence under the scales of their stretches."""
+    return [_scores(v, d, places) for (v, d), places in zip(pairs, edges, strict=True)]
 
 
-def _scales(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
-    """The scale of each value's stretch."""
+def _scores(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
     sums, dofs = (np.add.reduceat(column, edges[:-1]) for column in (values, dof))
-    return np.repeat(np.maximum(sums / dofs, 1e-300), np.diff(edges))
+    scales = np.maximum(sums / dofs, 1e-300)
+    spread = scales[0] if len(scales) == 1 else np.repeat(scales, np.diff(edges))
+    return laws.nearly_normal(values / (dof * spread), dof)
 
 
 def _tested(
