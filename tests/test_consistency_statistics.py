@@ -150,6 +150,34 @@ def test_correlation_time_against_the_double_sum(sim):
     np.testing.assert_allclose(consistency.nees_correlation_time(a, p), expected, rtol=1e-9)
 
 
+def geyer(x):
+    """The definition: pairs of autocorrelations, while positive and no larger than before."""
+    x = np.asarray(x) - np.mean(x)
+    rho = [float(x[: len(x) - lag] @ x[lag:]) / float(x @ x) for lag in range(len(x))]
+    total, smallest = 0.0, np.inf
+    for even, odd in zip(rho[::2], rho[1::2], strict=False):
+        if even + odd <= 0:
+            break
+        smallest = min(smallest, even + odd)
+        total += smallest
+    return max(1.0, 2 * total - 1)
+
+
+def test_correlation_times_of_many_are_the_definition_of_each():
+    from trackmetrics.consistency.correlation import correlation_times
+
+    rng = np.random.default_rng(4)
+    sequences = [np.ones(3), np.ones(9)]
+    for n in (4, 5, 16, 17, 31, 33, 64, 200, 201):
+        noise = rng.normal(size=n)
+        sequences += [noise, np.cumsum(noise), noise + np.roll(noise, 1)]
+        sequences.append(np.sin(np.arange(n) / 20.0))
+    expected = [1.0, 1.0, *map(geyer, sequences[2:])]
+    np.testing.assert_allclose(correlation_times(sequences), expected, rtol=1e-9)
+    for sequence, time in zip(sequences, expected, strict=True):
+        assert consistency.correlation_time(sequence) == pytest.approx(time)
+
+
 def test_correlation_time_of_an_autoregression():
     rng = np.random.default_rng(4)
     x = np.zeros(20_000)

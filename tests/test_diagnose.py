@@ -180,6 +180,51 @@ def test_a_diagnosis_is_a_mapping():
     assert all(track.verdict in VERDICTS for track in d.values())
 
 
+def late(start, unit="s", spacing=10.0):
+    """A log of two tracks, of which the second starts later and fails late."""
+    rng = np.random.default_rng(3)
+    nis = rng.chisquare(2, (2, 80))
+    nis[1, 60:] *= 8
+    times = start + spacing * np.array([np.arange(80), 5.5 + np.arange(80)])
+    return EstimatorLog.from_columns(
+        track=["early"] * 80 + ["late"] * 80,
+        time=times.ravel(),
+        nis=nis.ravel(),
+        nis_dof=2,
+        time_unit=unit,
+    )
+
+
+def test_words_count_times_from_the_start_of_the_log():
+    epoch = diagnose(late(1771931555.0154023))
+    track = epoch["late"]
+    assert track.nis.onset_time == pytest.approx(1771931555.0154023 + 655.0)
+    assert "the fault begins at 655 s" in track.text
+    assert "55 to 645 s as claimed" in track.text
+    note = "Times count from the start of the log, 2026-02-24 11:12:35 UTC."
+    assert track.text.endswith(note)
+    assert track.text == f"{track.findings} {note}"
+    assert "177193" not in epoch.text
+    assert epoch.text.count(note) == 1
+    assert epoch.text.endswith(note)
+
+
+@pytest.mark.parametrize(
+    ("start", "unit", "note"),
+    [
+        (0.0, "s", ""),
+        (300.0, "s", "Times count from the start of the log, at 300 s."),
+        (1771931555015.0, "ms", "Times count from the start of the log, 2026-02-24 11:12:35 UTC."),
+        (1.8e9, "min", "Times count from the start of the log, at 1800000000 min."),
+    ],
+)
+def test_the_start_is_said_once_and_as_a_moment_where_it_looks_like_one(start, unit, note):
+    d = diagnose(late(start, unit))
+    assert d["late"].timeline.note == note
+    assert f"the fault begins at 655 {unit}" in d.text
+    assert d.text.count("Times count") == bool(note)
+
+
 def test_one_update_is_insufficient():
     track = diagnose(EstimatorLog.from_columns(nis=[1.0], nis_dof=2))["track"]
     assert track.verdict == "insufficient"

@@ -138,3 +138,103 @@ def test_a_bias_of_the_state_needs_truth():
     )
     assert [(b.kind, b.component) for b in track.biases] == [("state", "x[1]")]
     assert track.biases[0].value == pytest.approx(1.2, abs=0.3)
+
+
+# -- correlation in time, and size and correlation at once
+
+
+def innovations(values):
+    from trackmetrics.diagnostics.innovations import Innovations
+
+    n, m = values.shape
+    return Innovations(values, np.tile(np.eye(m), (n, 1, 1)), np.full(n, "", object))
+
+
+@pytest.mark.parametrize("skewness", [0.05, 0.4, 1.2])
+def test_a_skewed_value_becomes_a_normal_one(skewness):
+    from scipy import stats
+
+    from trackmetrics.diagnostics import laws
+
+    law = stats.pearson3(skewness)
+    for value in (-1.5, -0.3, 0.0, 0.8, 2.5, 6.0):
+        expected = stats.norm.isf(law.sf(value))
+        found = laws.normal_score_of_skewed(value, skewness)
+        assert found == pytest.approx(expected, abs=1e-7)
+    assert laws.normal_score_of_skewed(1.7, 0.0) == 1.7
+    assert np.isfinite(laws.normal_score_of_skewed(-50.0, skewness))
+    assert np.isfinite(laws.normal_score_of_skewed(1e9, skewness))
+
+
+@pytest.mark.parametrize("alternating", [True, False])
+def test_the_correlation_is_the_weighted_sum_over_lags(alternating):
+    from scipy import stats
+
+    from trackmetrics.diagnostics.innovations import FAST, SLOW, correlation
+
+    rng = np.random.default_rng(1)
+    x = rng.normal(size=(41, 2))
+    x[1:] += (-0.5 if alternating else 0.5) * x[:-1]
+    x = np.clip(x, -2.0, 2.0)
+    weights = FAST if alternating else SLOW
+    total = third = 0.0
+    for lag, w in enumerate(weights, 1):
+        shared = sum(x[k, j] * x[k + lag, j] for k in range(41 - lag) for j in range(2))
+        power = sum(x[k, j] ** 2 + x[k + lag, j] ** 2 for k in range(41 - lag) for j in range(2))
+        total += w * 2 * shared / power * np.sqrt(2 * (41 - lag))
+        for other, v in enumerate(weights, 1):
+            if lag + other <= len(weights):
+                third += w * v * weights[lag + other - 1]
+    size = np.sqrt(sum(w**2 for w in weights))
+    law = stats.pearson3(6 * third / size**3 / np.sqrt(2 * 40))
+    found = correlation(innovations(x))
+    assert found.z == pytest.approx(stats.norm.isf(law.sf(total / size)), rel=1e-6)
+    assert (found.z < 0) == alternating
+
+
+def test_white_innovations_pass_as_often_as_they_should():
+    from trackmetrics.diagnostics.innovations import correlation
+
+    rng = np.random.default_rng(2)
+    p = np.array([correlation(innovations(rng.normal(size=(60, 2)))).p_value for _ in range(3000)])
+    # Binomial bounds of four standard deviations above 5 % and 0.4 %.
+    assert (p < 0.05).mean() < 0.066
+    assert (p < 0.004).mean() < 0.009
+    assert (p < 0.05).mean() > 0.03
+
+
+def small_and_alternating(n=100, scale=0.68, lag1=-0.25, seed=0):
+    """Innovations of exactly this size and correlation, neither of which says enough alone."""
+    noise = np.random.default_rng(seed).normal(size=n + 1)
+    x = noise[1:] + lag1 * noise[:-1]
+    return x[:, None] * np.sqrt(scale / np.mean(x**2))
+
+
+def test_size_and_correlation_together_say_what_neither_does_alone():
+    from trackmetrics.diagnostics.diagnosing import LEVEL
+
+    found = []
+    for seed in range(40):
+        x = small_and_alternating(seed=seed)
+        log = EstimatorLog.from_columns(innovation=x, S=np.ones((len(x), 1, 1)))
+        track = diagnose(log)["track"]
+        alone = track.whiteness.p_value < LEVEL or track.nis.segments[0].p_value < LEVEL
+        if not alone:
+            found.append(track.verdict)
+    assert len(found) >= 10
+    # Neither test by itself says a word of these.
+    assert found.count("pessimistic") >= 0.5 * len(found)
+    assert set(found) <= {"pessimistic", "consistent"}
+
+
+def test_correlated_innovations_are_called_by_the_size_of_the_errors():
+    # Of the right size by themselves, but alternating; errors half as large as claimed.
+    x = small_and_alternating(n=120, scale=1.0, lag1=-0.6)
+    rng = np.random.default_rng(3)
+    columns = {"innovation": x, "S": np.ones((120, 1, 1)), "P": np.tile(np.eye(2), (120, 1, 1))}
+    alone = diagnose(EstimatorLog.from_columns(**columns, error=rng.normal(size=(120, 2))))
+    assert alone["track"].nis.verdict == "non_white"
+    errors = np.sqrt(0.81) * rng.normal(size=(120, 2))
+    small = diagnose(EstimatorLog.from_columns(**columns, error=errors))["track"]
+    assert small.nees.verdict == "consistent"
+    assert (small.nis.verdict, small.verdict) == ("pessimistic", "pessimistic")

@@ -106,6 +106,30 @@ def test_best_splits_are_the_definition(least, n, seed):
         assert found.tolist() == pytest.approx(expected if n else [], rel=1e-9, abs=1e-9)
 
 
+@given(sequences(), st.sampled_from([0.4, 2.5]), st.sampled_from([0.01, 0.5]))
+def test_alarms_are_the_definition(sequence, scale, chance):
+    values, dof = sequence
+    n = len(values)
+    rises = [
+        -m / 2 * log(scale) + c / 2 * (1 - 1 / scale) for c, m in zip(values, dof, strict=True)
+    ]
+    expected, largest = [-1, -1], np.finfo(float).max
+    for k in range(n):
+        # The largest sum of values that end here, and the latest beginning of it.
+        sums = [sum(rises[j : k + 1]) for j in range(k + 1)]
+        largest = max(sums)
+        if largest > log(n / chance):
+            expected = [k, max(j for j in range(k + 1) if sums[j] == pytest.approx(largest))]
+            break
+    starts = np.array([0, n])
+    for module in BACKENDS:
+        found = module.first_alarms(values, dof, starts, scale, chance)
+        assert found.shape == (1, 2)
+        assert found[0, 0] == expected[0]
+        if expected[0] >= 0:
+            assert sum(rises[found[0, 1] : found[0, 0] + 1]) == pytest.approx(largest)
+
+
 def shapley(error, covariance):
     """The definition: mean contribution over all orders of joining."""
     d = len(error)
@@ -147,26 +171,30 @@ def test_shares_are_the_definition_and_add_up(game):
         np.testing.assert_allclose(sampled, exact, rtol=1e-8, atol=1e-9 * max(nees))
 
 
-@given(st.integers(1, 4), st.integers(0, 2**32))
-def test_inflation_is_the_sum_of_squared_correlations(d, seed):
+@given(st.integers(1, 4), st.booleans(), st.integers(0, 2**32))
+def test_inflation_is_the_sum_of_squared_correlations(d, partial, seed):
     rng = np.random.default_rng(seed)
     n = 12
     steps = rng.normal(size=(n, d, d)) * 0.4
     root = rng.normal(size=(n, d, d))
     p = root @ root.swapaxes(1, 2) + np.eye(d)
     starts = np.array([0, 5, 5, n])
-    factors = np.linalg.cholesky(p)
+    known = rng.random((n, d)) < 0.6 if partial else np.ones((n, d), bool)
+    known[np.arange(n), rng.integers(0, d, n)] = True
+    whiteners = [np.linalg.inv(np.linalg.cholesky(p[k][np.ix_(i, i)])) for k, i in enumerate(known)]
     expected = np.ones(n)
     for a, b in itertools.pairwise(starts):
         for k in range(a, b):
             for other in range(a, k):
-                product = np.linalg.inv(factors[k])
-                for step in range(k, other, -1):
-                    product = product @ steps[step]
-                shared = ((product @ factors[other]) ** 2).sum() / d
-                expected[k] += shared
-                expected[other] += shared
-    native, twin = (m.nees_inflation(steps, p, starts) for m in BACKENDS)
+                shared = p[other]
+                for step in range(other + 1, k + 1):
+                    shared = steps[step] @ shared
+                shared = shared[np.ix_(known[k], known[other])]
+                shared = ((whiteners[k] @ shared @ whiteners[other].T) ** 2).sum()
+                expected[k] += shared / known[k].sum()
+                expected[other] += shared / known[other].sum()
+    mask = known.astype(np.int64).ravel() if partial else None
+    native, twin = (m.nees_inflation(steps, p, starts, mask) for m in BACKENDS)
     np.testing.assert_allclose(native, twin, rtol=1e-9)
     # Memories below 1e-4 are forgotten, and whatever lies behind them.
     np.testing.assert_allclose(native, expected, rtol=0.02)
@@ -185,6 +213,11 @@ BAD = [
     ("scale_partitions", (ONE, ONE, np.empty(0, np.int64), 2, 4)),
     ("scale_partitions", (ONE, ONE, ZERO_ONE, 0, 4)),
     ("scale_partitions", (ONE, ONE, ZERO_ONE, 2, 0)),
+    ("first_alarms", (-ONE, ONE, ZERO_ONE, 2.0, 0.1)),
+    ("first_alarms", (ONE, np.ones(2), ZERO_ONE, 2.0, 0.1)),
+    ("first_alarms", (ONE, ONE, np.array([0, 2]), 2.0, 0.1)),
+    ("first_alarms", (ONE, ONE, ZERO_ONE, 0.0, 0.1)),
+    ("first_alarms", (ONE, ONE, ZERO_ONE, 2.0, np.inf)),
     ("best_split_gains", (np.full((1, 2), np.inf), np.ones(2), 1)),
     ("best_split_gains", (np.ones((1, 2)), np.zeros(2), 1)),
     ("shapley_shares", (np.ones((1, 2)), -EYE)),
@@ -195,10 +228,11 @@ BAD = [
     ("sampled_shapley_shares", (np.ones((1, 2)), EYE, np.array([0, 0]))),
     ("sampled_shapley_shares", (np.ones((1, 2)), EYE, np.array([0, 2]))),
     ("sampled_shapley_shares", (np.ones((1, 2)), EYE, np.empty(0, np.int64))),
-    ("nees_inflation", (EYE, -EYE, ZERO_ONE)),
-    ("nees_inflation", (EYE, np.full((1, 2, 2), np.nan), ZERO_ONE)),
-    ("nees_inflation", (np.ones((2, 2, 2)), EYE, ZERO_ONE)),
-    ("nees_inflation", (EYE, EYE, np.array([0, 3]))),
+    ("nees_inflation", (EYE, -EYE, ZERO_ONE, None)),
+    ("nees_inflation", (EYE, np.full((1, 2, 2), np.nan), ZERO_ONE, None)),
+    ("nees_inflation", (np.ones((2, 2, 2)), EYE, ZERO_ONE, None)),
+    ("nees_inflation", (EYE, EYE, np.array([0, 3]), None)),
+    ("nees_inflation", (EYE, EYE, ZERO_ONE, ZERO_ONE[:1])),
 ]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from trackmetrics.diagnostics import LiveMonitor, diagnose
-from trackmetrics.diagnostics.live import first_alarm
+from trackmetrics.diagnostics.live import first_alarms
 
 
 def test_the_sums_are_the_definition():
@@ -47,7 +47,7 @@ def test_an_honest_filter_raises_few_alarms():
 def test_offline_and_online_agree():
     rng = np.random.default_rng(3)
     values = rng.chisquare(2, 80) * np.where(np.arange(80) < 50, 1.0, 5.0)
-    alarm, onset = first_alarm(values, np.full(80, 2.0), chance=0.01)
+    ((alarm, onset),) = first_alarms([(values, np.full(80, 2.0))], chance=0.01)
     monitor = LiveMonitor(horizon=80, chance=0.02)
     for k, nis in enumerate(values):
         status = monitor.update(nis, 2)

@@ -126,7 +126,18 @@ def test_triangles_and_flat_matrices():
 BAD = {
     "empty": ({"nis": [], "nis_dof": 2}, "the log is empty"),
     "NaN row": ({"nis": [1.0, np.nan], "nis_dof": 2}, r"row 1 holds no value \(nis missing\)"),
-    "NaN inside": ({"x": [[1.0, 2.0], [np.nan, 2.0]]}, r"x\[1\]\[0\] is not finite: nan"),
+    "NaN inside a matrix": (
+        {"error": [[1.0, 2.0]], "P": [[[1.0, np.nan], [np.nan, 1.0]]]},
+        r"P\[0\]\[0\]\[1\] is not finite: nan",
+    ),
+    "NaN variance": (
+        {"error": [[1.0, 2.0]], "P": [[[1.0, 0.0], [0.0, np.nan]]]},
+        r"P\[0\]\[1\]\[1\] is not finite: nan",
+    ),
+    "NaN in a transition": (
+        {"x": [[1.0, 2.0]], "A": [[[1.0, np.nan], [np.nan, np.nan]]]},
+        r"A\[0\]\[0\]\[1\] is not finite: nan",
+    ),
     "infinite": ({"nis": [1.0, np.inf], "nis_dof": 2}, r"nis\[1\] is not finite: inf"),
     "NaN time": (
         {"nis": [1.0, 2.0], "nis_dof": 2, "time": [0.0, np.nan]},
@@ -153,6 +164,7 @@ BAD = {
         r"status\[0\] must be 'tentative' or",
     ),
     "no n": ({"nees": [1.0]}, "nees needs the number of states"),
+    "NEES dof 0": ({"nees": [1.0], "nees_dof": 0}, r"nees_dof\[0\] must be positive, got 0.0"),
     "width": ({"x": [[1.0, 2.0]], "state_dim": 1}, r"x\[0\] has 2 components, expected 1"),
     "not symmetric": (
         {"error": [[1.0, 1.0]], "P": [[[1.0, 0.5], [0.4, 1.0]]]},

@@ -12,6 +12,13 @@ __version__: str
 def auction(
     cost_matrix: NDArray[np.float64], epsilon: float | None, maximize: Any
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], float, float]: ...
+def first_alarms(
+    values: NDArray[np.float64],
+    dof: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    scale: float,
+    chance: float,
+) -> NDArray[np.int64]: ...
 def best_split_gains(
     draws: NDArray[np.float64], dof: NDArray[np.float64], least: int
 ) -> NDArray[np.float64]: ...
@@ -67,7 +74,10 @@ def nees(
     nan_where_invalid: bool,
 ) -> Any: ...
 def nees_inflation(
-    transitions: NDArray[np.float64], covariances: NDArray[np.float64], starts: NDArray[np.int64]
+    transitions: NDArray[np.float64],
+    covariances: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    known: NDArray[np.int64] | None,
 ) -> NDArray[np.float64]: ...
 def nees_sequence(
     true_states: Any,

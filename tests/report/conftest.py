@@ -83,6 +83,11 @@ def published_log(folder):
     full = [row["measurement_type"] == FULL for row in rows]
     stds = ("std_lat_deg", "std_lon_deg", "std_sog_kts", "std_cog_deg", "std_turn_rate")
     nis = column("nis_recovered")
+    # Of the states only speed and course are published: the others are missing.
+    partial = lambda kind, blank: [  # noqa: E731
+        (*[math.nan] * 2, sog, cog, *[math.nan] * blank)
+        for sog, cog in zip(column(f"sog_{kind}_kts"), column(f"cog_{kind}_deg"), strict=True)
+    ]
     return EstimatorLog.from_columns(
         states=STATES,
         track=[row["track"] for row in rows],
@@ -90,6 +95,9 @@ def published_log(folder):
         status=["tentative" if math.isnan(v) else "active" for v in nis],
         measurement_type=[row["measurement_type"] for row in rows],
         observed=[[0, 1, 2, 3] if f else [0, 1] for f in full],
+        z=partial("meas", 0),
+        x=partial("est", 1),
+        truth=partial("true", 1),
         nis=nis,
         nis_dof=column("nis_df"),
         nees=column("nees"),
@@ -185,6 +193,7 @@ def track_diagnosis(like, log, name, verdict):
         updates=len(rows),
         tentative=int((~good).sum()),
         repeated=0,
+        log_start=log.start_time,
         start_time=float(rows.time[0]),
         stop_time=float(rows.time[-1]),
         longest_gap=300.0,

@@ -40,7 +40,7 @@ def test_a_track_shows_everything_with_its_units(small, backend, dark):
     x, y = axes_labels(figure, backend)
     assert {"NIS / dof", "NEES / 5", "support", "sog (kt)", "turn_rate (deg/s)"} <= set(y)
     assert y.count("σ / reference") == y.count("error / σ") == 5
-    assert "minutes since start" in x
+    assert "minutes since start, 2023-11-14 22:16:20 UTC" in x
     said = " ".join(words_of(figure, backend))
     for words in ("late divergence", "onset", "alarm", "8.1×", "the weakest state", "observes lat"):
         assert words in said

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from trackmetrics import report
-from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
 from trackmetrics.report import theme
 from trackmetrics.vessel import HeldOut
 
@@ -91,7 +91,7 @@ def test_the_overview_is_sorted_by_severity(small, document):
     assert "late divergence" in text
     assert "turn_rate" in text
     assert "NIS from 124 min" in text
-    assert small[1]["vessel 001"].text in text
+    assert small[1]["vessel 001"].findings in text
 
 
 def test_there_are_tables_for_those_who_do_not_see_figures(document):
@@ -111,7 +111,8 @@ def test_every_part_unpacks_to_figures_that_plotly_accepts(small, document):
         from trackmetrics.report.draw_plotly import coloured
 
         figure = go.Figure(coloured(part["sheet"], theme.LIGHT))
-        assert figure.layout.xaxis3.title.text == "minutes since start"
+        start = "minutes since start, 2023-11-14 22:16:20 UTC"
+        assert figure.layout.xaxis3.title.text == start
         assert all(trace["name"] == track.track for trace in part["comparison"])
         points = [t for t in part["comparison"] if t["yaxis"] == "y" and t["mode"] == "markers"]
         drawn = np.sort([v for t in points for v in t["y"]])
@@ -140,6 +141,36 @@ def test_the_same_diagnosis_gives_the_same_file(small, html, tmp_path):
     path = tmp_path / "out.html"
     report.write_page(path, small[1], small[0], title="Four <vessels> & a page")
     assert path.read_text(encoding="utf-8") == html
+
+
+@pytest.mark.data
+def test_states_that_are_published_alone_have_their_panels(published):
+    log, diagnosis = published
+    document = Document(report.page(diagnosis, log))
+    for index, track in enumerate(diagnosis.by_severity()):
+        sheet, rows = unpacked(document, f"data-{index}")["sheet"], log[track.track]
+        titles = [a["text"] for a in sheet["layout"]["annotations"]]
+        assert titles.count("not in the log") == 6
+        estimates = [t for t in sheet["data"] if t["name"] == "estimate"]
+        assert len(estimates) == 2
+        np.testing.assert_allclose(estimates[0]["y"], rows.x[:, 2], atol=1e-3)
+        measured = sum(len(t["y"]) for t in sheet["data"] if t["name"].startswith("measured"))
+        assert measured == 2 * (rows.measurement_type == "AISMeasurement").sum()
+
+
+def test_updates_that_lack_components_are_small_in_the_support_strip():
+    rng = np.random.default_rng(0)
+    innovation = rng.normal(size=(30, 2))
+    innovation[::3, 1] = np.nan
+    log = EstimatorLog.from_columns(
+        innovation=innovation, S=np.tile(np.eye(2), (30, 1, 1)), measurement_type="radar"
+    )
+    diagnosis = diagnose(log)
+    document = Document(report.page(diagnosis, log))
+    sheet = unpacked(document, "data-0")["sheet"]
+    sizes = {t["name"]: len(t["x"]) for t in sheet["data"] if t["yaxis"] == "y2"}
+    assert sizes == {"radar": 20, "radar, some components missing": 10}
+    assert "10 innovations lack components" in diagnosis["track"].text
 
 
 def test_without_a_log_and_without_tracks(small):

@@ -27,6 +27,7 @@ from trackmetrics._numpy.consistency import (
 )
 from trackmetrics._numpy.diagnostics import (
     best_split_gains,
+    first_alarms,
     nees_inflation,
     sampled_shapley_shares,
     scale_partitions,
@@ -83,6 +84,7 @@ __all__ = [
     "consistency_sums",
     "credibility_interval",
     "estimation_error_bounds",
+    "first_alarms",
     "gospa",
     "gospa_from_distances",
     "gospa_over_time",

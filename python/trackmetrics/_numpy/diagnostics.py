@@ -25,8 +25,6 @@ def scale_partitions(
     """
     plain(values, dof)
     plain_ids(starts)
-    if len(dof) != len(values):
-        raise messages.length("dof", len(dof), "values", len(values), "values")
     _check_values(values, dof)
     _check_starts("values", starts, len(values))
     for argument, count in (("least", least), ("most", most)):
@@ -60,6 +58,32 @@ def best_split_gains(draws: Floats, dof: Floats, least: int) -> Floats:
     total, all_dof = sums[:, -1:], dofs[-1]
     gains: Floats = (_best(left, m) + _best(total - left, all_dof - m)).max(axis=1)
     return gains - _best(total, all_dof)[:, 0]
+
+
+def first_alarms(
+    values: Floats, dof: Floats, starts: Integers, scale: float, chance: float
+) -> Integers:
+    """Where a cumulative sum of log-likelihood ratios first passes its threshold, and began to.
+
+    For each sequence the alarm and the last lowest sum before it; -1 where there is no alarm.
+    """
+    plain(values, dof)
+    plain_ids(starts)
+    _check_values(values, dof)
+    _check_starts("values", starts, len(values))
+    for argument, value in (("scale", scale), ("chance", chance)):
+        if not (value > 0 and np.isfinite(value)):
+            raise messages.parameter(argument, "positive", value)
+    rises = values * ((1 - 1 / scale) / 2) - dof * (np.log(scale) / 2)
+    found = np.full((len(starts) - 1, 2), -1, np.int64)
+    for alarm, (a, b) in zip(found, pairwise(starts), strict=True):
+        sums = np.concatenate([[0.0], np.cumsum(rises[a:b])])
+        lowest = np.minimum.accumulate(sums)
+        above = np.flatnonzero(sums - lowest > np.log(max(b - a, 1) / chance))
+        if len(above):
+            k = above[0] - 1
+            alarm[:] = k, np.flatnonzero(sums[: k + 1] == lowest[k])[-1]
+    return found
 
 
 def shapley_shares(errors: Floats, covariances: Floats) -> Floats:
@@ -98,17 +122,28 @@ def sampled_shapley_shares(errors: Floats, covariances: Floats, orders: Integers
     return shares / len(rows)
 
 
-def nees_inflation(transitions: Floats, covariances: Floats, starts: Integers) -> Floats:
-    """By how much correlation in time widens each NEES of many tracks."""
+def nees_inflation(
+    transitions: Floats, covariances: Floats, starts: Integers, known: Integers | None
+) -> Floats:
+    """By how much correlation in time widens each NEES of many tracks.
+
+    Where only some components of an error are ``known`` (1, else 0), the correlation of all is seen
+    through the basis of these.
+    """
     plain(transitions, covariances)
-    plain_ids(starts)
+    plain_ids(starts, known)
     if len(transitions) != len(covariances):
         found, expected = len(transitions), len(covariances)
         raise messages.length("transitions", found, "covariances", expected, "matrices")
     for argument, values in (("transitions", transitions), ("covariances", covariances)):
         _check_finite(argument, values)
     _check_starts("covariances", starts, len(covariances))
-    factors, d = _factors(covariances), covariances.shape[1]
+    d = covariances.shape[1]
+    if known is not None and len(known) != len(covariances) * d:
+        expected = len(covariances) * d
+        raise messages.length("known", len(known), "covariances", expected, "components")
+    factors = _factors(covariances)
+    views = _views(factors, known)
     tau = np.ones(len(covariances))
     for a, b in pairwise(starts):
         steps = [
@@ -118,12 +153,22 @@ def nees_inflation(transitions: Floats, covariances: Floats, starts: Integers) -
             product = np.eye(d)
             for step in range(k - 1, max(k - 1 - LONGEST, -1), -1):
                 product = product @ steps[step]
-                shared = float((product**2).sum())
-                if shared < FORGOTTEN:
+                if (product**2).sum() < FORGOTTEN:
                     break
-                tau[a + k] += shared / d
-                tau[a + step] += shared / d
+                left, right = views[a + k], views[a + step]
+                shared = float(((left @ product @ right.T) ** 2).sum())
+                tau[a + k] += shared / max(len(left), 1)
+                tau[a + step] += shared / max(len(right), 1)
     return tau
+
+
+def _views(factors: Floats, known: Integers | None) -> list[Floats]:
+    """Of each error's whitened components a basis of those that tell the known ones."""
+    d = factors.shape[1]
+    if known is None:
+        return [np.eye(d)] * len(factors)
+    rows = [f[k] for f, k in zip(factors, known.reshape(-1, d) != 0, strict=True)]
+    return [np.linalg.solve(np.linalg.cholesky(row @ row.T), row) for row in rows]
 
 
 def _best(sums: Floats, dof: Floats) -> Floats:
@@ -251,6 +296,8 @@ def _check_finite(argument: str, values: Floats) -> None:
 
 
 def _check_values(values: Floats, dof: Floats) -> None:
+    if len(dof) != len(values):
+        raise messages.length("dof", len(dof), "values", len(values), "values")
     good = np.isfinite(values) & (values >= 0) & np.isfinite(dof) & (dof > 0)
     if good.all():
         return

@@ -32,12 +32,12 @@ def _scale(track: TrackDiagnosis) -> str:
 
 
 def _since(track: TrackDiagnosis) -> str:
-    """When the fault began, or ended, since the first update of the track, in seconds."""
+    """When the fault began, or ended, since the start of the log."""
     quantity = track.nis if track.nis.onset_time is not None else track.nees or track.nis
     if quantity.onset_time is not None:
-        return f"{quantity.onset_time:.0f} s"
+        return track.timeline.at(quantity.onset_time)
     settled = track.nis.settle_time
-    return "-" if settled is None else f"to {settled:.0f} s"
+    return "-" if settled is None else f"to {track.timeline.at(settled)}"
 
 
 def write_html(

@@ -79,7 +79,7 @@ def _row(track: TrackDiagnosis) -> list[str]:
         track.nis.verdict,
         "-" if track.nees is None else track.nees.verdict,
         str(track.updates),
-        f"{min(onsets):g} {track.time_unit}" if onsets else "-",
+        track.timeline.at(min(onsets)) if onsets else "-",
         track.weakest_state or "-",
     ]
 

@@ -1,5 +1,6 @@
 """Are innovations white, and how much is a mean of correlated NEES worth?"""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -293,16 +294,53 @@ def correlation_time(values: Any) -> float:
     unfair = np.flatnonzero(~np.isfinite(x))
     if unfair.size:
         raise errors.not_finite("values", [int(unfair[0])], x[unfair[0]])
-    if x.size < 4 or np.ptp(x) == 0:
-        return 1.0
-    x = x - x.mean()
-    spectrum = np.fft.rfft(x, 2 * x.size)
-    covariance = np.fft.irfft(spectrum * spectrum.conj())[: x.size]
-    rho = covariance / covariance[0]
-    pairs = rho[0 : x.size - 1 : 2] + rho[1::2]
-    end = np.flatnonzero(pairs <= 0)
-    pairs = np.minimum.accumulate(pairs[: end[0]] if end.size else pairs)
-    return float(max(1.0, 2 * pairs.sum() - 1))
+    return float(correlation_times([x])[0])
+
+
+def correlation_times(sequences: Sequence[Floats]) -> Floats:
+    """The :func:`correlation_time` of each of many sequences of finite values."""
+    times = np.ones(len(sequences))
+    classes: dict[int, list[int]] = {}
+    for i, values in enumerate(sequences):
+        if len(values) >= 4 and values.min() < values.max():
+            # Those of a similar length share one transform, padded to a power of two.
+            classes.setdefault((len(values) - 1).bit_length(), []).append(i)
+    for power, members in classes.items():
+        lengths = np.array([len(sequences[i]) for i in members])
+        padded = np.zeros((len(members), 1 << power))
+        for row, i in zip(padded, members, strict=True):
+            row[: len(sequences[i])] = sequences[i] - sequences[i].mean()
+        times[members] = _monotone_times(padded, lengths)
+    return times
+
+
+NEAR = 16
+"""Lags after which most sequences have forgotten, summed without a transform."""
+
+
+def _monotone_times(padded: Floats, lengths: NDArray[np.int64]) -> Floats:
+    """Geyer's initial monotone sequence of each row: centred values with zeros behind."""
+    size = padded.shape[1]
+    near = min(NEAR, size)
+    covariance = [np.einsum("kt,kt->k", padded[:, : size - d], padded[:, d:]) for d in range(near)]
+    times, ended = _sums_of_pairs(np.stack(covariance, axis=1), lengths)
+    if not ended.all():
+        spectrum = np.fft.rfft(padded[~ended], 2 * size)
+        covariances = np.fft.irfft(spectrum.real**2 + spectrum.imag**2)[:, :size]
+        times[~ended], _ = _sums_of_pairs(covariances, lengths[~ended])
+    return times
+
+
+def _sums_of_pairs(
+    covariances: Floats, lengths: NDArray[np.int64]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Times from the autocovariances of the first lags, and whether they were enough."""
+    pairs = (covariances[:, ::2] + covariances[:, 1::2]) / covariances[:, :1]
+    inside = np.arange(1, covariances.shape[1], 2) < lengths[:, None]
+    counted = np.logical_and.accumulate((pairs > 0) & inside, axis=1)
+    total = np.where(counted, np.minimum.accumulate(pairs, axis=1), 0.0).sum(axis=1)
+    times: Floats = np.maximum(1.0, 2 * total - 1)
+    return times, ~counted[:, -1] | (lengths <= covariances.shape[1])
 
 
 def nees_over_time(
@@ -359,7 +397,8 @@ def nees_over_time(
         raise ValueError("transitions and covariances must be given together")
     if transitions is None:
         scores = _normal_scores(values, dof)
-        tau = np.apply_along_axis(correlation_time, -1, scores)[..., None]
+        rows = scores.reshape(-1, scores.shape[-1])
+        tau = correlation_times(list(rows)).reshape(scores.shape[:-1])[..., None]
     else:
         tau = nees_correlation_time(transitions, covariances)
         if len(tau) != values.shape[-1]:

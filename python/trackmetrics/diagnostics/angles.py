@@ -31,16 +31,22 @@ class Unwrapped:
     suspected: NDArray[np.bool_]
     """There is no NIS or no S to tell by, or the NIS is neither."""
 
+    def of(self, rows: slice) -> "Unwrapped":
+        """Those of some rows."""
+        return Unwrapped(self.proven[rows], self.harmless[rows], self.suspected[rows])
 
-def unwrapped(log: EstimatorLog, periods: Floats | None) -> Unwrapped:
-    """Every row of the log, held against its innovation's periods."""
-    none = np.zeros(len(log), bool)
+
+def unwrapped(log: EstimatorLog, periods: Floats | None) -> Unwrapped | None:
+    """Every row of the log, held against its innovation's periods; None if no row is beyond."""
     columns = log.columns
     if columns.innovation is None or periods is None:
-        return Unwrapped(none, none, none)
+        return None
     beyond = np.abs(columns.innovation) > periods / 2 * (1 + 1e-9)
     rows = beyond.any(axis=1) & log.was_logged("innovation")
-    if columns.S is None or columns.nis is None or not rows.any():
+    if not rows.any():
+        return None
+    none = np.zeros(len(log), bool)
+    if columns.S is None or columns.nis is None:
         return Unwrapped(none, none, rows)
     telling = rows & log.was_logged("nis")
     raw = quadratic_forms(columns.innovation, columns.S)
@@ -112,7 +118,7 @@ def _courses(log: EstimatorLog, course: int, place: tuple[int, int]) -> tuple[Fl
     over_ground, said = [], []
     latitude = log.state_names[place[0]].lower().startswith("lat")
     for track in log.tracks:
-        x = _complete(log[track])
+        x = _complete(log[track], [*place, course])
         north, east = np.diff(x[:, place[0]]), np.diff(x[:, place[1]])
         if latitude:
             east = east * np.cos(np.radians(x[1:, place[0]]))
@@ -122,8 +128,9 @@ def _courses(log: EstimatorLog, course: int, place: tuple[int, int]) -> tuple[Fl
     return np.concatenate(over_ground), np.concatenate(said)
 
 
-def _complete(columns: Columns) -> Floats:
+def _complete(columns: Columns, states: Sequence[int]) -> Floats:
+    """The rows in which these states are known."""
     x = columns.x
     assert x is not None
-    complete: Floats = x[~np.isnan(x).any(axis=1)]
+    complete: Floats = x[~np.isnan(x[:, states]).any(axis=1)]
     return complete

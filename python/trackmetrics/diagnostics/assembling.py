@@ -7,8 +7,7 @@ import numpy as np
 from trackmetrics import _chi2
 from trackmetrics.diagnostics import words
 from trackmetrics.diagnostics.angles import Unwrapped
-from trackmetrics.diagnostics.building import observed_mask
-from trackmetrics.diagnostics.columns import Columns, Floats, present
+from trackmetrics.diagnostics.columns import Columns, Floats, components, incomplete
 from trackmetrics.diagnostics.innovations import Offset
 from trackmetrics.diagnostics.judging import (
     InnovationFindings,
@@ -17,22 +16,28 @@ from trackmetrics.diagnostics.judging import (
     judge_innovations,
     reconciled,
 )
-from trackmetrics.diagnostics.live import first_alarm
 from trackmetrics.diagnostics.log import EstimatorLog
-from trackmetrics.diagnostics.outlying import LEAST_UPDATES, robust_scale
-from trackmetrics.diagnostics.results import (
+from trackmetrics.diagnostics.outlying import LEAST_UPDATES, is_suspicious, robust_scale
+from trackmetrics.diagnostics.records import (
     VERDICTS,
     Bias,
     Outlier,
     QuantityVerdict,
     Segment,
     StateDiagnosis,
-    TrackDiagnosis,
     Whiteness,
 )
-from trackmetrics.diagnostics.series import Stretch
+from trackmetrics.diagnostics.results import TrackDiagnosis
 from trackmetrics.diagnostics.state_bias import StateOffset
-from trackmetrics.diagnostics.states import Attribution, attribute, state_records, weakest
+from trackmetrics.diagnostics.states import (
+    Attribution,
+    attribute,
+    observed_states,
+    state_records,
+    weakest,
+)
+from trackmetrics.diagnostics.timeline import Timeline
+from trackmetrics.diagnostics.trace import Stretch
 
 FAILING = VERDICTS[: VERDICTS.index("transient") + 1]
 """Verdicts that say that an error is larger than claimed."""
@@ -49,7 +54,8 @@ class Evidence:
     """Innovations, wrapped."""
     nis: Quantity
     nees: Quantity | None
-    angles: Unwrapped
+    angles: Unwrapped | None
+    """None where no innovation of the log is beyond half a period."""
     warnings: tuple[str, ...]
     level: float
 
@@ -58,7 +64,7 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
     """The record of a track."""
     columns, level = evidence.columns, evidence.level
     nis, found = judge_innovations(evidence.nis, columns, evidence.innovations, level)
-    if evidence.angles.proven.any():
+    if evidence.angles is not None and evidence.angles.proven.any():
         nis = nis.called("angle_wrap_bug")
     nees = evidence.nees
     errors: tuple[StateOffset, ...] = ()
@@ -91,6 +97,7 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
         observed=_observed(columns, log.state_names),
         notes=_notes(evidence),
         time_unit=log.time_unit,
+        log_start=log.start_time,
     )
 
 
@@ -110,7 +117,7 @@ def quantity_verdict(name: str, quantity: Quantity, columns: Columns) -> Quantit
     """The public record of a judged quantity."""
     trace, rows, time = quantity.trace, quantity.rows, columns.time
     settled = quantity.settled()
-    alarm = first_alarm(trace.values, trace.dof) if trace.sufficient else None
+    alarm = trace.alarm
     nan = float("nan")
 
     def row(k: int | None) -> int | None:
@@ -134,14 +141,8 @@ def quantity_verdict(name: str, quantity: Quantity, columns: Columns) -> Quantit
         alarm_index=row(alarm[0] if alarm else None),
         alarm_time=at(alarm[0] if alarm else None),
         alarm_onset_time=at(alarm[1] if alarm else None),
-        inflation=_middle(quantity.inflation),
+        inflation=quantity.inflation,
     )
-
-
-def _middle(values: Floats) -> float:
-    """The median, the upper one of two; np.median costs ten times as much."""
-    half = len(values) // 2
-    return float(np.partition(values, half)[half]) if len(values) else 1.0
 
 
 def _segment(stretch: Stretch, quantity: Quantity, time: Floats) -> Segment:
@@ -162,9 +163,9 @@ def _segment(stretch: Stretch, quantity: Quantity, time: Floats) -> Segment:
 
 def _observed(columns: Columns, names: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
     """The states that each measurement type observes."""
-    if columns.observed is None or columns.measurement_type is None:
+    mask = observed_states(columns, len(names))
+    if mask is None or columns.measurement_type is None:
         return {}
-    mask = observed_mask(columns.observed, len(names))
     seen: dict[str, tuple[str, ...]] = {}
     for kind in dict.fromkeys(columns.measurement_type):
         if kind is not None:
@@ -186,7 +187,7 @@ def _attribution(nees: Quantity, columns: Columns) -> Attribution | None:
     stretches = [s for s in nees.trace.stretches if s.label == "high"]
     kept = nees.rows[nees.trace.kept]
     rows = kept[stretches[-1].start : stretches[-1].stop] if stretches else kept
-    rows = rows[present(columns.error[rows]) & present(columns.P[rows])]
+    rows = rows[components(columns.error[rows], columns.P[rows]).any(axis=1)]
     return attribute(columns.error[rows], columns.P[rows]) if len(rows) else None
 
 
@@ -206,6 +207,22 @@ def _weakest(
     if verdict == "biased":
         return max(biases, key=lambda b: abs(b.z)).component if biases else None
     return weakest(states)
+
+
+def _incomplete(columns: Columns) -> list[str]:
+    """How many vectors lack components that others of their kind have."""
+    found = []
+    for vectors, kinds, what in (
+        (columns.innovation, columns.measurement_type, "innovation"),
+        (columns.error, "state", "error"),
+    ):
+        if vectors is None or not np.isnan(vectors).any():
+            continue
+        lacking = int(incomplete(vectors, kinds).sum())
+        if lacking:
+            some = f"{lacking} {what}s lack" if lacking > 1 else f"1 {what} lacks"
+            found.append(f"{some} components; what is left counts with its degrees of freedom.")
+    return found
 
 
 def _innovation_biases(evidence: Evidence, offsets: tuple[Offset, ...]) -> tuple[Bias, ...]:
@@ -252,9 +269,9 @@ def _outliers(nis: Quantity, columns: Columns, level: float) -> tuple[Outlier, .
     trace = nis.trace
     if not trace.sufficient:
         return ()
-    values, dof = trace.kept_values()
-    if not trace.outliers and values.max() < _TYPICAL * dof.max():
+    if not trace.outliers and not is_suspicious(trace, level):
         return ()
+    values, dof = trace.kept_values()
     scale = robust_scale(values, dof)
     p_values = np.asarray(_chi2.sf(trace.values / scale, trace.dof))
     found = set(trace.outliers)
@@ -272,14 +289,15 @@ def _outliers(nis: Quantity, columns: Columns, level: float) -> tuple[Outlier, .
     )
 
 
-_TYPICAL = 5.0
-"""Values below this many times their degrees of freedom are never outliers."""
-
-
 def _notes(evidence: Evidence) -> tuple[str, ...]:
-    """Suspicions about angles."""
-    angles, time, notes = evidence.angles, evidence.columns.time, list(evidence.warnings)
-    unit = evidence.log.time_unit
+    """Suspicions about the log, about angles, and which vectors lack components."""
+    angles = [] if evidence.angles is None else _about_angles(evidence, evidence.angles)
+    return (*evidence.warnings, *_incomplete(evidence.columns), *angles)
+
+
+def _about_angles(evidence: Evidence, angles: Unwrapped) -> list[str]:
+    time, notes = evidence.columns.time, []
+    timeline = Timeline(evidence.log.start_time, evidence.log.time_unit)
     for rows, text in (
         (angles.proven, "the logged NIS is that of an innovation that was not wrapped"),
         (
@@ -292,6 +310,6 @@ def _notes(evidence: Evidence) -> tuple[str, ...]:
         ),
     ):
         if rows.any():
-            count, first = int(rows.sum()), words.when(float(time[rows][0]), unit)
+            count, first = int(rows.sum()), timeline.at(float(time[rows][0]))
             notes.append(f"At {count} update{'s' * (count > 1)} (first at {first}) {text}.")
-    return tuple(notes)
+    return notes

@@ -1,35 +1,34 @@
 """From columns as users have them to a log: forms, order, repeated rows, what follows from what."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmetrics.diagnostics import columns as forms
 from trackmetrics.diagnostics.checking import check_values
-from trackmetrics.diagnostics.columns import Columns, Integers
+from trackmetrics.diagnostics.columns import Columns
 from trackmetrics.diagnostics.deriving import derive
-from trackmetrics.diagnostics.log import EstimatorLog, State
+from trackmetrics.diagnostics.header import Header, State
 from trackmetrics.diagnostics.ordering import arrange
 
 
-@dataclass(frozen=True)
-class Header:
-    """What a log says once, for all rows."""
+class Parts(NamedTuple):
+    """What a log is made of, in the order in which it takes them."""
 
-    states: Sequence[State | str] | None = None
-    state_dim: int | None = None
-    angles: Mapping[str | int, float] | None = None
-    measurement_angles: Mapping[str, Mapping[int, float]] | None = None
-    time_unit: str = "s"
+    columns: Columns
+    tracks: Sequence[str]
+    starts: Sequence[int]
+    states: Sequence[State]
+    measurement_angles: Mapping[str, Mapping[int, float]]
+    computed: Mapping[str, NDArray[np.bool_]]
+    repeated: Sequence[int]
+    time_unit: str
 
 
-KNOWN = ("track", "time", "observed", *forms.WORDS, *forms.FLOATS)
-
-
-def build(given: Mapping[str, Any], header: Header) -> EstimatorLog:
-    """The log of these columns."""
+def build(given: Mapping[str, Any], header: Header) -> Parts:
+    """The parts of the log of these columns."""
     given = {name: values for name, values in given.items() if values is not None}
     _refuse_unknown(given)
     rows = _count(given)
@@ -40,15 +39,13 @@ def build(given: Mapping[str, Any], header: Header) -> EstimatorLog:
     columns, tracks, starts, repeated = arrange(columns, names, "time" in given)
     angles = {k: dict(v) for k, v in (header.measurement_angles or {}).items()}
     columns, computed = derive(columns, states, angles)
-    return EstimatorLog(
-        columns, tracks, starts, states, angles, computed, repeated, header.time_unit
-    )
+    return Parts(columns, tracks, starts, states, angles, computed, repeated, header.time_unit)
 
 
 def _refuse_unknown(given: Mapping[str, Any]) -> None:
-    unknown = [name for name in given if name not in KNOWN]
+    unknown = [name for name in given if name not in forms.KNOWN]
     if unknown:
-        raise ValueError(f"unknown column {unknown[0]!r}; a log has {', '.join(KNOWN)}")
+        raise ValueError(f"unknown column {unknown[0]!r}; a log has {', '.join(forms.KNOWN)}")
     if not any(name in given for name in forms.FLOATS):
         raise ValueError("the log has no column to diagnose: expected nis and nis_dof, or more")
 
@@ -95,8 +92,8 @@ def _state_width(given: Mapping[str, Any]) -> int:
     for name in forms.STATE_MATRICES:
         if name in given:
             return max((np.shape(v)[0] for v in given[name] if np.ndim(v) == 2), default=0)
-    if "nees" in given:
-        raise ValueError("nees needs the number of states: give state_dim or states")
+    if "nees" in given and "nees_dof" not in given:
+        raise ValueError("nees needs the number of states: give state_dim, states or nees_dof")
     return 0
 
 
@@ -134,10 +131,3 @@ def _align(columns: Columns) -> Columns:
         missing = [(0, 0)] + [(0, width - column.shape[1])] * (column.ndim - 1)
         wider[name] = np.pad(column, missing, constant_values=-1 if name == "observed" else np.nan)
     return columns.with_(**wider)
-
-
-def observed_mask(observed: Integers, states: int) -> Any:
-    """``(rows, n)``: which states each row observes."""
-    mask = np.zeros((len(observed), states + 1), bool)
-    np.put_along_axis(mask, observed, True, axis=1)
-    return mask[:, :states]

@@ -5,17 +5,13 @@ from numpy.typing import NDArray
 
 from trackmetrics.diagnostics.columns import (
     COVARIANCES,
+    DOFS,
     FLOATS,
-    MEASUREMENT_MATRICES,
-    MEASUREMENTS,
     NUMBERS,
     Columns,
     Floats,
     present,
 )
-
-# A vector of the state is complete or missing; one of the measurement may be shorter than others.
-_PADDED = MEASUREMENTS + MEASUREMENT_MATRICES
 
 
 def check_values(columns: Columns, timed: bool) -> None:
@@ -33,28 +29,23 @@ def check_values(columns: Columns, timed: bool) -> None:
 
 
 def _check_finite(name: str, column: Floats) -> None:
-    """No infinity, and no NaN inside a value."""
+    """No infinity; of a matrix a missing component misses its whole row and column."""
     bad = np.isinf(column)
-    if column.ndim > 1:
-        there = present(column).reshape((-1,) + (1,) * (column.ndim - 1))
-        bad |= np.isnan(column) & there & ~_padding(name, column)
+    if column.ndim == 3:
+        bad |= np.isnan(column) & ~_missing(name, column)
     if bad.any():
         index = np.argwhere(bad)[0]
         place = "".join(f"[{int(i)}]" for i in index)
         raise ValueError(f"{name}{place} is not finite: {float(column[tuple(index)])!r}")
 
 
-def _padding(name: str, column: Floats) -> NDArray[np.bool_]:
-    """Where a shorter measurement ends: NaN from some component to the last."""
-    if name not in _PADDED:
-        return np.zeros(column.shape, bool)
-    absent: NDArray[np.bool_] = np.isnan(column)
-    if column.ndim == 2:
-        after: NDArray[np.bool_] = np.logical_and.accumulate(absent[:, ::-1], axis=1)[:, ::-1]
-        return after
-    whole = np.logical_and(absent.all(axis=2), absent.all(axis=1))
-    after = np.logical_and.accumulate(whole[:, ::-1], axis=1)[:, ::-1]
-    return after[:, :, None] | after[:, None, :]
+def _missing(name: str, matrices: Floats) -> NDArray[np.bool_]:
+    """Elements of components that are missing altogether; a transition is whole or missing."""
+    absent: NDArray[np.bool_] = np.isnan(matrices)
+    gone: NDArray[np.bool_] = np.logical_and(absent.all(axis=2), absent.all(axis=1))
+    if name == "A":
+        gone = np.logical_and(gone, np.logical_and.reduce(gone, axis=1)[:, None])
+    return gone[:, :, None] | gone[:, None, :]
 
 
 def _check_numbers(columns: Columns) -> None:
@@ -63,12 +54,13 @@ def _check_numbers(columns: Columns) -> None:
         column = getattr(columns, name)
         if column is None:
             continue
-        bad = column <= 0 if name == "nis_dof" else column < 0
-        if name == "nis_dof" and columns.nis is not None:
-            bad &= ~np.isnan(columns.nis)
+        bad = column <= 0 if name in DOFS else column < 0
+        values = getattr(columns, name.removesuffix("_dof"))
+        if values is not None:
+            bad &= ~np.isnan(values)
         if bad.any():
             row = int(np.argmax(bad))
-            needed = "positive" if name == "nis_dof" else "at least 0"
+            needed = "positive" if name in DOFS else "at least 0"
             raise ValueError(f"{name}[{row}] must be {needed}, got {float(column[row])!r}")
     if columns.nis is None or columns.innovation is not None or columns.z is not None:
         return
@@ -92,13 +84,13 @@ def _check_something_there(columns: Columns) -> None:
     there = np.zeros(len(columns), bool)
     for name in FLOATS:
         column = getattr(columns, name)
-        if column is not None and name != "nis_dof":
+        if column is not None and name not in DOFS:
             there |= present(column)
     if columns.status is not None:
         there |= columns.status == "tentative"
     if not there.all():
         row = int(np.argmin(there))
-        names = [n for n in FLOATS if n != "nis_dof" and getattr(columns, n) is not None]
+        names = [n for n in FLOATS if n not in DOFS and getattr(columns, n) is not None]
         raise ValueError(
             f"row {row} holds no value ({', '.join(names)} missing): "
             "leave it out, or give its status as 'tentative'"
@@ -153,14 +145,27 @@ def _failing_minor(matrix: Floats) -> int:
 
 
 def unit_diagonal(covariances: Floats) -> Floats:
-    """Covariances scaled to a unit diagonal, padding replaced by an identity.
+    """Covariances scaled to a unit diagonal, with an identity where components are missing.
 
     Latitudes in degrees next to speeds in knots give condition numbers of 1e9; scaling costs
     nothing and takes the units out. A variance that is not positive stays on the diagonal as it is.
     """
-    padding = np.isnan(covariances)
-    filled = np.where(padding, np.eye(covariances.shape[1]), covariances)
-    variances = np.einsum("kii->ki", filled)
+    whole = completed(covariances)
+    variances = np.einsum("kii->ki", whole)
     d = np.sqrt(np.where(variances > 0, variances, 1.0))
-    scaled: Floats = (filled + filled.swapaxes(1, 2)) / (2 * d[:, :, None] * d[:, None, :])
+    scaled: Floats = (whole + whole.swapaxes(1, 2)) / (2 * d[:, :, None] * d[:, None, :])
     return scaled
+
+
+def completed(covariances: Floats, there: NDArray[np.bool_] | None = None) -> Floats:
+    """Covariances with those of an identity for missing components, and for those not ``there``.
+
+    With an error of 0 such a component adds nothing to a quadratic form, and since it is
+    independent of the others it changes nothing of theirs.
+    """
+    absent = np.isnan(covariances)
+    if there is not None:
+        absent |= ~(there[:, :, None] & there[:, None, :])
+    if not absent.any():
+        return covariances
+    return np.where(absent, np.eye(covariances.shape[1]), covariances)

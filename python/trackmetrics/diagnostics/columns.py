@@ -1,13 +1,13 @@
 """The columns of a log: what each holds, and how what users have becomes one array each.
 
-Columns of states are ``(rows, n)``, of measurements ``(rows, m)`` with ``m`` the longest, and NaN
-after the end of a shorter one; a row that has no value is NaN throughout. Covariances may also
-come as their upper triangles, row by row.
+Columns of states are ``(rows, n)``, of measurements ``(rows, m)`` with ``m`` the longest. What is
+missing is NaN: single components, of a matrix with their rows and columns; the end of a shorter
+measurement; a whole row. Covariances may also come as their upper triangles, row by row.
 """
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,13 +17,15 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Words = NDArray[np.object_]
 
-NUMBERS = ("nis", "nis_dof", "nees")
+NUMBERS = ("nis", "nis_dof", "nees", "nees_dof")
+DOFS = ("nis_dof", "nees_dof")
 STATES = ("x_pred", "x", "truth", "error", "std")
 STATE_MATRICES = ("P_pred", "P", "A")
 MEASUREMENTS = ("z", "innovation")
 MEASUREMENT_MATRICES = ("S", "R")
 WORDS = ("status", "measurement_type")
 FLOATS = NUMBERS + STATES + STATE_MATRICES + MEASUREMENTS + MEASUREMENT_MATRICES
+KNOWN = ("track", "time", "observed", *WORDS, *FLOATS)
 COVARIANCES = ("P_pred", "P", "S", "R")
 
 
@@ -69,6 +71,8 @@ class Columns:
     """Updated state minus truth, angles wrapped."""
     nees: Floats | None = None
     """Normalised estimation error squared, after the update."""
+    nees_dof: Floats | None = None
+    """Its degrees of freedom."""
     std: Floats | None = None
     """Claimed standard deviation of each state, after the update."""
 
@@ -78,8 +82,7 @@ class Columns:
 
     def take(self, rows: Any) -> "Columns":
         """These rows of every column."""
-        present = {f.name: getattr(self, f.name) for f in fields(self)}
-        return replace(self, **{k: v[rows] for k, v in present.items() if v is not None})
+        return Columns(**{k: v[rows] for k, v in vars(self).items() if v is not None})
 
     def with_(self, **columns: Any) -> "Columns":
         """The same with other values in some columns."""
@@ -143,16 +146,39 @@ def matrices(name: str, values: Any, rows: int, width: int | None) -> Floats:
     return column
 
 
-def lengths(column: Floats) -> Integers:
-    """How many components each row of a padded column of vectors has."""
-    counts: Integers = (~np.isnan(column)).sum(axis=1).astype(np.int64)
-    return counts
+def components(vectors: Floats, covariances: Floats) -> NDArray[np.bool_]:
+    """``(rows, m)``: which components have both a value and a variance."""
+    there: NDArray[np.bool_] = ~np.isnan(vectors)
+    return there & ~np.isnan(covariances.diagonal(axis1=1, axis2=2))
 
 
 def present(column: Floats) -> NDArray[np.bool_]:
     """Which rows of a column have a value."""
     there: NDArray[np.bool_] = np.logical_not(np.isnan(column.reshape(len(column), -1)).all(axis=1))
     return there
+
+
+def incomplete(vectors: Floats, kinds: Words | str | None) -> NDArray[np.bool_]:
+    """Which rows lack a component although they, or others of their kind, have a later one.
+
+    A single word is the kind of all rows.
+    """
+    if isinstance(kinds, str):
+        kinds = np.full(len(vectors), kinds, object)
+    there = ~np.isnan(vectors)
+    lacking = np.zeros(len(vectors), bool)
+    for kind in {None} if kinds is None else set(kinds):
+        rows = slice(None) if kinds is None else np.flatnonzero(kinds == kind)
+        own = there[rows]
+        # Without kinds a row may end early because it is another kind.
+        expected = own.any(axis=0) if kind is not None else _up_to_the_last(own)
+        lacking[rows] = own.any(axis=1) & (expected & ~own).any(axis=1)
+    return lacking
+
+
+def _up_to_the_last(there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    upto: NDArray[np.bool_] = np.logical_or.accumulate(there[:, ::-1], axis=1)[:, ::-1]
+    return upto
 
 
 def indices(name: str, values: Any, rows: int, states: Mapping[str, int]) -> Integers:

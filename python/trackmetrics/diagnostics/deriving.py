@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.diagnostics.checking import check_covariances, unit_diagonal
-from trackmetrics.diagnostics.columns import Columns, Floats, Integers, lengths, present
-from trackmetrics.diagnostics.log import State
+from trackmetrics.diagnostics.checking import check_covariances, completed, unit_diagonal
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
+from trackmetrics.diagnostics.header import State
 
 Angles = Mapping[str, Mapping[int, float]]
 
@@ -32,15 +32,27 @@ def derive(
         nis=_filled(columns.nis, _forms(residuals, columns.S)),
         nees=_filled(columns.nees, _forms(columns.error, columns.P)),
     )
-    columns = columns.with_(nis_dof=_filled(columns.nis_dof, _dof(columns)))
-    computed = {}
-    for name in ("innovation", "S", "error", "std", "nis", "nees", "nis_dof"):
-        before, after = getattr(logged, name), getattr(columns, name)
-        if after is not None:
-            computed[name] = present(after)
-            if before is not None:
-                computed[name] &= ~present(before)
-    return columns, computed
+    computed = {
+        name: _newly(getattr(logged, name), getattr(columns, name))
+        for name in ("innovation", "S", "error", "std", "nis", "nees")
+    }
+    dofs = {
+        "nis_dof": _with_own(columns.nis_dof, _nis_dof(columns), computed["nis"]),
+        "nees_dof": _with_own(columns.nees_dof, _nees_dof(columns, len(states)), computed["nees"]),
+    }
+    columns = columns.with_(**dofs)
+    for name, dof in dofs.items():
+        computed[name] = _newly(getattr(logged, name), dof)
+        if dof is not None:
+            computed[name] |= computed[name.removesuffix("_dof")]
+    return columns, {name: rows for name, rows in computed.items() if rows is not None}
+
+
+def _newly(logged: Floats | None, column: Floats | None) -> Any:
+    """Which rows have a value that was not logged."""
+    if column is None or logged is None:
+        return None if column is None else present(column)
+    return present(column) & ~present(logged)
 
 
 def component_periods(
@@ -70,15 +82,23 @@ def wrapped(residuals: Floats, periods: Floats) -> Floats:
 
 
 def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
-    """e' P^-1 e of each row, padding left out; NaN where either is missing."""
+    """e' P^-1 e of each row over the components that both have; NaN where there is none."""
     forms = np.full(len(errors), np.nan)
-    rows = present(errors) & present(covariances)
-    if errors.shape[1] and rows.any():
-        p, e = covariances[rows], np.nan_to_num(errors[rows])
-        d = np.sqrt(np.where(np.isnan(p), np.eye(p.shape[1]), p).diagonal(axis1=1, axis2=2))
-        factor = np.linalg.cholesky(unit_diagonal(p))
-        forms[rows] = (np.linalg.solve(factor, (e / d)[..., None])[..., 0] ** 2).sum(axis=1)
+    there = components(errors, covariances)
+    rows = there.any(axis=1)
+    if rows.any():
+        white = whitened(errors[rows], covariances[rows], there[rows])
+        forms[rows] = (white**2).sum(axis=1)
     return forms
+
+
+def whitened(errors: Floats, covariances: Floats, there: NDArray[np.bool_]) -> Floats:
+    """L^-1 e with P = L L', both of the components that are there; 0 in the others."""
+    p = completed(covariances, there)
+    d = np.sqrt(p.diagonal(axis1=1, axis2=2))
+    e = np.where(there, errors, 0.0) / d
+    white: Floats = np.linalg.solve(np.linalg.cholesky(unit_diagonal(p)), e[..., None])[..., 0]
+    return white
 
 
 def _measurement_width(columns: Columns) -> int:
@@ -129,16 +149,56 @@ def _innovation_covariances(columns: Columns) -> Floats | None:
     return np.where((o >= 0)[:, :, None] & (o >= 0)[:, None, :], chosen, np.nan) + columns.R
 
 
+def components_observed(columns: Columns) -> Integers | None:
+    """``observed`` without the components that an update's innovation lacks."""
+    if columns.observed is None or columns.innovation is None:
+        return columns.observed
+    lacking = np.isnan(columns.innovation) & present(columns.innovation)[:, None]
+    return np.where(lacking, -1, columns.observed)
+
+
+def observed_mask(observed: Integers, states: int) -> Any:
+    """``(rows, n)``: which states each row observes."""
+    mask = np.zeros((len(observed), states + 1), bool)
+    np.put_along_axis(mask, observed, True, axis=1)
+    return mask[:, :states]
+
+
 def _observed_states(states: Floats, observed: Integers) -> Floats:
     chosen = np.take_along_axis(states, np.maximum(observed, 0), axis=1)
     return np.where(observed >= 0, chosen, np.nan)
 
 
-def _dof(columns: Columns) -> Floats | None:
-    """The length of the innovation, else of the measurement."""
-    for name in ("innovation", "z"):
-        column = getattr(columns, name)
-        if column is not None:
-            dof = lengths(column).astype(np.float64)
-            return np.where(dof > 0, dof, np.nan)
-    return None
+def _nis_dof(columns: Columns) -> Floats | None:
+    """How many components the innovation has, else the measurement."""
+    if columns.innovation is not None:
+        return _count(columns.innovation, columns.S)
+    return None if columns.z is None else _count(columns.z, None)
+
+
+def _nees_dof(columns: Columns, states: int) -> Floats | None:
+    """How many components error and covariance have; all states where the NEES stands alone."""
+    if columns.nees is None:
+        return None
+    dof = np.where(np.isnan(columns.nees), np.nan, float(states))
+    if columns.error is None or columns.P is None:
+        return dof
+    own: Floats = _filled(_count(columns.error, columns.P), dof)
+    return own
+
+
+def _count(vectors: Floats, covariances: Floats | None) -> Floats:
+    """How many components each row has, with a variance if it has any; NaN for none."""
+    there = ~np.isnan(vectors)
+    if covariances is not None:
+        there &= components(vectors, covariances) | ~present(covariances)[:, None]
+    count = there.sum(axis=1).astype(np.float64)
+    return np.where(count > 0, count, np.nan)
+
+
+def _with_own(logged: Floats | None, own: Floats | None, computed: Any) -> Floats | None:
+    """Degrees of freedom as logged; but a value that was computed here has its own."""
+    if logged is None or own is None or computed is None:
+        return own if logged is None else logged
+    dof: Floats = np.where(computed & ~np.isnan(own), own, _filled(logged, own))
+    return dof

@@ -1,26 +1,20 @@
 """From a log to its diagnosis."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmetrics import _backend
-from trackmetrics.diagnostics.angles import Unwrapped, radians_in_degrees, unwrapped
+from trackmetrics.consistency.correlation import correlation_times
+from trackmetrics.diagnostics.angles import radians_in_degrees, unwrapped
 from trackmetrics.diagnostics.assembling import Evidence, assemble
-from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
 from trackmetrics.diagnostics.deriving import component_periods, wrapped
 from trackmetrics.diagnostics.grammar import describe
 from trackmetrics.diagnostics.judging import Quantity, transitions
 from trackmetrics.diagnostics.log import EstimatorLog
 from trackmetrics.diagnostics.results import Diagnosis
-from trackmetrics.diagnostics.series import (
-    LEAST_UPDATES,
-    Candidates,
-    Trace,
-    autocorrelation_time,
-    candidates,
-    chosen,
-    cut,
-    scores_within,
-)
+from trackmetrics.diagnostics.series import Pair, candidates, cut, edges, scores_within
+from trackmetrics.diagnostics.trace import LEAST_UPDATES, Candidates, Trace
 
 LEVEL = 0.004
 """Chance of a false alarm of each family of tests."""
@@ -114,14 +108,14 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
         rows, values = log.rows(t), columns.innovation
         if values is not None and periods is not None:
             values = wrapped(values, periods[rows])
-        of_track = Unwrapped(angles.proven[rows], angles.harmless[rows], angles.suspected[rows])
+        of_track = None if angles is None else angles.of(rows)
         quantities = nis[t] or _nothing(), nees[t]
         evidence = Evidence(log, t, columns, values, *quantities, of_track, warnings, level)
         found.append(assemble(evidence))
     return Diagnosis(tuple(found), warnings)
 
 
-_Parts = tuple[Trace, Integers, Floats]
+_Parts = tuple[Trace, Integers, float]
 
 
 def _judged(parts: list[_Parts | None], level: float) -> list[Quantity | None]:
@@ -136,7 +130,7 @@ def _judged(parts: list[_Parts | None], level: float) -> list[Quantity | None]:
 def _nothing() -> Quantity:
     """A quantity that the log does not have."""
     trace = Trace(np.empty(0), np.empty(0), True)
-    return Quantity(trace, np.empty(0, np.int64), np.empty(0), describe(trace, LEVEL))
+    return Quantity(trace, np.empty(0, np.int64), 1.0, describe(trace, LEVEL))
 
 
 def _nis_parts(columns: Columns) -> _Parts | None:
@@ -147,58 +141,79 @@ def _nis_parts(columns: Columns) -> _Parts | None:
     if columns.status is not None:
         usable &= columns.status != "tentative"
     rows = np.flatnonzero(usable)
-    return Trace(columns.nis[rows], columns.nis_dof[rows], True), rows, np.ones(len(rows))
+    return Trace(columns.nis[rows], columns.nis_dof[rows], True), rows, 1.0
 
 
 def _nees_parts(log: EstimatorLog, tracks: list[Columns], level: float) -> list[_Parts | None]:
     """The NEES of every track over its autocorrelation."""
-    d = float(len(log.states))
-    rows = [
-        np.flatnonzero(~np.isnan(c.nees)) if c.nees is not None else np.empty(0, np.int64)
-        for c in tracks
-    ]
-    values = [
-        c.nees[r] if c.nees is not None else np.empty(0) for c, r in zip(tracks, rows, strict=True)
-    ]
-    inflation = _inflation(tracks, rows, values, d, level)
+    if log.columns.nees is None or log.columns.nees_dof is None:
+        return [None] * len(tracks)
+    rows, pairs = [], []
+    for c in tracks:
+        assert c.nees is not None
+        assert c.nees_dof is not None
+        rows.append(np.flatnonzero(~np.isnan(c.nees)))
+        pairs.append((c.nees[rows[-1]], c.nees_dof[rows[-1]]))
+    inflation = _inflation(tracks, rows, pairs, level)
     return [
-        (Trace(v / tau, d / tau, False, found=found), r, tau) if len(r) else None
-        for v, r, (tau, found) in zip(values, rows, inflation, strict=True)
+        (Trace(v / tau, d / tau, False, found=found), r, _middle(tau)) if len(r) else None
+        for (v, d), r, (tau, found) in zip(pairs, rows, inflation, strict=True)
     ]
+
+
+def _middle(tau: Floats | float) -> float:
+    """The median, the upper one of two; np.median costs ten times as much."""
+    if isinstance(tau, float):
+        return tau
+    half = len(tau) // 2
+    return float(np.partition(tau, half)[half])
 
 
 def _inflation(
-    tracks: list[Columns], rows: list[Integers], values: list[Floats], d: float, level: float
-) -> list[tuple[Floats, Candidates | None]]:
+    tracks: list[Columns], rows: list[Integers], pairs: list[Pair], level: float
+) -> list[tuple[Floats | float, Candidates | None]]:
     """tau of every NEES: from the model where A and P are logged, else from the values.
 
     One tau for all values of a track scales every gain and moves no cut.
     """
-    tau: list[tuple[Floats, Candidates | None]] = [(np.ones(len(r)), None) for r in rows]
+    tau: list[tuple[Floats | float, Candidates | None]] = [(1.0, None)] * len(rows)
     modelled = [i for i, (c, r) in enumerate(zip(tracks, rows, strict=True)) if _has_model(c, r)]
     if modelled:
         steps = np.concatenate([transitions(tracks[i], rows[i]) for i in modelled])
         claims = np.concatenate([_claims(tracks[i], rows[i]) for i in modelled])
         starts = np.concatenate([[0], np.cumsum([len(rows[i]) for i in modelled])])
-        found = _backend.kernels.nees_inflation(steps, claims, starts.astype(np.int64))
+        known = np.concatenate([_known(tracks[i], rows[i]) for i in modelled])
+        mask = None if known.all() else known.astype(np.int64).ravel()
+        model = _backend.kernels.nees_inflation(steps, claims, starts.astype(np.int64), mask)
         for i, a, b in zip(modelled, starts[:-1], starts[1:], strict=True):
-            tau[i] = found[a:b], None
-    known = set(modelled)
-    free = [i for i in range(len(rows)) if i not in known and len(rows[i]) >= LEAST_UPDATES]
-    pairs = [(values[i], np.full(len(values[i]), d)) for i in free]
-    for i, pair, best in zip(free, pairs, candidates(pairs), strict=True):
-        scores = scores_within(*pair, chosen(pair, best, level, corrected=False))
-        time = autocorrelation_time(scores)
-        tau[i] = np.full(len(scores), time), Candidates(best.gains / time, best.cuts)
+            tau[i] = model[a:b], None
+    free = [i for i, r in enumerate(rows) if i not in set(modelled) and len(r) >= LEAST_UPDATES]
+    chosen = [pairs[i] for i in free]
+    best = candidates(chosen)
+    times = correlation_times(scores_within(chosen, edges(chosen, best, level))).tolist()
+    for i, time, found in zip(free, times, best, strict=True):
+        tau[i] = time, Candidates(found.gains / time, found.cuts)
     return tau
 
 
 def _has_model(columns: Columns, rows: Integers) -> bool:
     """Whether P is there for every NEES and A for most (not for the first, or while tentative)."""
-    if columns.A is None or columns.P is None or not len(rows):
+    if columns.A is None or columns.P is None or columns.nees_dof is None or not len(rows):
         return False
-    known = present(columns.A[rows]).mean()
-    return bool(known > 0.5 and present(columns.P[rows]).all())
+    if present(columns.A[rows]).mean() <= 0.5 or np.isnan(columns.P[rows]).any():
+        return False
+    return bool((_known(columns, rows).sum(axis=1) == columns.nees_dof[rows]).all())
+
+
+def _known(columns: Columns, rows: Integers) -> NDArray[np.bool_]:
+    """The components of the errors that made these NEES; all where no error is logged."""
+    assert columns.P is not None
+    whole = np.ones((len(rows), columns.P.shape[1]), bool)
+    if columns.error is None:
+        return whole
+    there = components(columns.error[rows], columns.P[rows])
+    some = np.logical_or.reduce(there, axis=1)
+    return np.where(some[:, None], there, whole)
 
 
 def _claims(columns: Columns, rows: Integers) -> Floats:

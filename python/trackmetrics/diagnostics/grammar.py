@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from trackmetrics import _chi2
 from trackmetrics.diagnostics.columns import Floats
-from trackmetrics.diagnostics.series import LEAST_SEGMENT, MATERIAL, Stretch, Trace
+from trackmetrics.diagnostics.trace import LEAST_SEGMENT, MATERIAL, Stretch, Trace
 
 STARTUP = 0.5
 """A bad start is over within this share of the track."""

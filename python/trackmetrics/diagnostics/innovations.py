@@ -7,14 +7,16 @@ alternate that it follows too fast.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _chi2
 from trackmetrics.diagnostics import laws
-from trackmetrics.diagnostics.checking import unit_diagonal
-from trackmetrics.diagnostics.columns import Floats, Words, lengths
+from trackmetrics.diagnostics.checking import completed
+from trackmetrics.diagnostics.columns import Floats, Words
+from trackmetrics.diagnostics.deriving import whitened
 
 LEAST_UPDATES = 8
 LEAST_PAIRS = 8
@@ -29,7 +31,7 @@ CAUSES: Mapping[tuple[str, int], str] = {
 
 @dataclass(frozen=True)
 class Innovations:
-    """The innovations of some updates of a track, padded with NaN."""
+    """The innovations of some updates of a track, NaN where a component is missing."""
 
     values: Floats
     covariances: Floats
@@ -38,6 +40,22 @@ class Innovations:
     def __len__(self) -> int:
         """How many updates."""
         return len(self.values)
+
+    @cached_property
+    def there(self) -> NDArray[np.bool_]:
+        """Which components there are."""
+        known: NDArray[np.bool_] = ~np.isnan(self.values)
+        return known
+
+    @cached_property
+    def white(self) -> Floats:
+        """Whitened update by update, 0 where a component is missing."""
+        return whitened(self.values, self.covariances, self.there)
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        """The NIS of all updates together, and its degrees of freedom."""
+        return float((self.white**2).sum()), float(self.there.sum())
 
 
 @dataclass(frozen=True)
@@ -53,14 +71,16 @@ class Offset:
 
 @dataclass(frozen=True)
 class Correlation:
-    """The correlation of whitened innovations with the next."""
+    """The correlation of whitened innovations with the next few."""
 
     lag1: float
     z: float
+    """In standard deviations: positive where they pull the same way, negative where they alternate;
+    whichever of the two weighted sums over the lags is further out."""
     p_value: float
     pairs: int
     late_z: float
-    """The same in standard deviations, of the second half alone."""
+    """The same sum over the second half alone."""
     late_scale: float
     """Mean square of the whitened innovations of the second half."""
 
@@ -83,20 +103,18 @@ class Correlation:
 
 
 def offsets(innovations: Innovations, memory: float = 1.0) -> list[Offset]:
-    """The mean of every component of every measurement type that has 8 updates, Holm-corrected.
+    """The mean of every component of every measurement type that has 8 values, Holm-corrected.
 
     By generalised least squares with the claimed covariances; the variance is widened where the
     residuals are wider than claimed or correlated in time (Newey and West 1987,
     doi:10.2307/1913610), and by at least the factor ``memory``.
     """
     found = []
-    widths = lengths(innovations.values)
     for kind in sorted(set(innovations.types)):
-        rows = np.flatnonzero((innovations.types == kind) & (widths > 0))
-        if len(rows) >= LEAST_UPDATES and len(set(widths[rows])) == 1:
-            m = int(widths[rows[0]])
-            s = innovations.covariances[rows, :m, :m]
-            found += _offsets_of(str(kind), innovations.values[rows, :m], s, memory)
+        rows = innovations.types == kind
+        found += _offsets_of(
+            str(kind), innovations.values[rows], innovations.covariances[rows], memory
+        )
     if not found:
         return []
     corrected = laws.holm(np.array([o.p_value for o in found]))
@@ -107,46 +125,62 @@ def offsets(innovations: Innovations, memory: float = 1.0) -> list[Offset]:
 
 
 def _offsets_of(kind: str, values: Floats, covariances: Floats, memory: float) -> list[Offset]:
-    weights = np.linalg.inv(covariances)
-    variance = np.linalg.inv(weights.sum(axis=0))
-    means = variance @ np.einsum("kij,kj->i", weights, values)
+    tested = np.flatnonzero((~np.isnan(values)).sum(axis=0) >= LEAST_UPDATES)
+    if not len(tested):
+        return []
+    values, covariances = values[:, tested], covariances[:, tested[:, None], tested]
+    means, variances = _weighted_means(values, covariances)
     residuals = (values - means) / np.sqrt(covariances.diagonal(axis1=1, axis2=2))
-    spread = _excess_spread(residuals)
-    z = means / np.sqrt(variance.diagonal() * spread * np.maximum(memory, _memory(residuals)))
+    known = [r[~np.isnan(r)] for r in residuals.T]
+    spread = _excess_spread(known)
+    memories = np.array([max(memory, _memory(r)) for r in known])
+    z = means / np.sqrt(variances * spread * memories)
     # A variance that is claimed needs no Student; one that is estimated does.
     p = np.where(
         spread > 1,
-        laws.student_two_sided(z, len(values) - 1),
+        laws.student_two_sided(z, np.array([len(r) - 1.0 for r in known])),
         laws.normal_two_sided(z),
     )
-    return [Offset(kind, j, float(means[j]), float(z[j]), float(p[j])) for j in range(len(means))]
+    columns = zip(tested.tolist(), means.tolist(), z.tolist(), p.tolist(), strict=True)
+    return [Offset(kind, *column) for column in columns]
+
+
+def _weighted_means(values: Floats, covariances: Floats) -> tuple[Floats, Floats]:
+    """Generalised least squares over the components that each row has; means, their variances."""
+    there = ~np.isnan(values)
+    weights = np.linalg.inv(completed(covariances, there))
+    weights = np.where(there[:, :, None] & there[:, None, :], weights, 0.0)
+    variance = np.linalg.inv(weights.sum(axis=0))
+    means = variance @ np.einsum("kij,kj->i", weights, np.where(there, values, 0.0))
+    return means, variance.diagonal()
 
 
 NOTABLE = 0.05
 """Chance below which residuals count as wider than claimed."""
 
 
-def _excess_spread(residuals: Floats) -> Floats:
+def _excess_spread(residuals: list[Floats]) -> Floats:
     """The variance of unit residuals where it is significantly above 1, else 1."""
-    squares = (residuals**2).sum(axis=0)
-    wide = _chi2.sf(squares, len(residuals) - 1) < NOTABLE
-    return np.where(wide, np.maximum(1.0, squares / len(residuals)), 1.0)
+    squares = np.array([float(r @ r) for r in residuals])
+    counts = np.array([float(len(r)) for r in residuals])
+    wide = _chi2.sf(squares, counts - 1) < NOTABLE
+    return np.where(wide, np.maximum(1.0, squares / counts), 1.0)
 
 
-def _memory(residuals: Floats) -> Floats:
+def _memory(residuals: Floats) -> float:
     """By how much correlation in time widens the variance of a mean; at least 1.
 
     With Bartlett weights up to the cube root of n, over the lags whose correlation is notable.
     """
     n = len(residuals)
-    power = np.maximum((residuals**2).sum(axis=0), 1e-300)
+    power = max(float(residuals @ residuals), 1e-300)
     longest = max(1, round(n ** (1 / 3)))
-    memory = np.ones(residuals.shape[1])
+    memory = 1.0
     for lag in range(1, min(longest, n - 1) + 1):
-        shared = (residuals[:-lag] * residuals[lag:]).sum(axis=0) / power
-        notable = np.abs(shared) > 2 / np.sqrt(n)
-        memory += np.where(notable, 2 * (1 - lag / (longest + 1)) * shared, 0.0)
-    return np.maximum(1.0, memory)
+        shared = float(residuals[:-lag] @ residuals[lag:]) / power
+        if abs(shared) > 2 / n**0.5:
+            memory += 2 * (1 - lag / (longest + 1)) * shared
+    return max(1.0, memory)
 
 
 def without(innovations: Innovations, biases: list[Offset]) -> Innovations:
@@ -157,44 +191,64 @@ def without(innovations: Innovations, biases: list[Offset]) -> Innovations:
     return Innovations(values, innovations.covariances, innovations.types)
 
 
-def whitened(innovations: Innovations) -> Floats:
-    """L^-1 of each innovation with S = L L', 0 in the padding."""
-    s, v = innovations.covariances, innovations.values
-    d = np.sqrt(np.where(np.isnan(s), np.eye(s.shape[1]), s).diagonal(axis1=1, axis2=2))
-    factor = np.linalg.cholesky(unit_diagonal(s))
-    white: Floats = np.linalg.solve(factor, (np.nan_to_num(v) / d)[..., None])[..., 0]
-    return white
-
-
 CLIPPED = 3.0
 """Robust deviations at which an innovation is clipped: one huge pair proves no correlation."""
 
 
 def correlation(innovations: Innovations) -> Correlation:
-    """Lag-1 correlation over the components that neighbours share."""
-    white, there = whitened(innovations), ~np.isnan(innovations.values)
+    """How the components that an update shares with the next few agree with these."""
+    white, there = innovations.white, innovations.there
     half = len(white) // 2
     late_scale = float((white[half:][there[half:]] ** 2).mean())
     most = CLIPPED * float(np.median(np.abs(white[there]))) / 0.6745
     white = np.clip(white, -most, most)
-    lag1, z, pairs = _lag1(white, there)
-    _, late_z, _ = _lag1(white[half:], there[half:])
+    lags = _lags(white, there)
+    slow, fast = _weighted(lags, SLOW), _weighted(lags, FAST)
+    z, weights = (slow, SLOW) if slow > -fast else (fast, FAST)
+    late_z = _weighted(_lags(white[half:], there[half:]), weights)
+    lag1, pairs = lags[0] if lags else (float("nan"), int((there[:-1] & there[1:]).sum()))
     return Correlation(lag1, z, float(laws.normal_two_sided(z)), pairs, late_z, late_scale)
 
 
+SLOW, FAST = (1.0, 0.5, 0.25), (1.0, 0.3)
+"""Weights of the lags. A filter that follows too slowly leaves innovations that pull the same way
+for several updates; behind one that follows too fast they alternate once and are forgotten."""
 LASTING = 1.1
 """Scale that the second half must exceed for a cause to be named."""
 LOST = 30.0
 """Scale above which a filter has lost its target, and no noise explains it."""
 
 
-def _lag1(white: Floats, there: NDArray[np.bool_]) -> tuple[float, float, int]:
-    """Correlation with the next, in standard deviations, and over how many pairs."""
-    shared = there[:-1] & there[1:]
-    before, after = white[:-1][shared], white[1:][shared]
-    pairs = int(shared.sum())
-    power = 0.5 * float(before @ before + after @ after)
-    if pairs < LEAST_PAIRS or power <= 0:
-        return float("nan"), 0.0, pairs
-    lag1 = float(before @ after) / power
-    return lag1, lag1 * float(np.sqrt(pairs)), pairs
+def _lags(white: Floats, there: NDArray[np.bool_]) -> list[tuple[float, int]]:
+    """Correlation with each of the next updates, and over how many pairs, while there are any."""
+    found = []
+    for lag in range(1, min(len(SLOW), len(white) - 1) + 1):
+        shared = there[:-lag] & there[lag:]
+        before, after = white[:-lag][shared], white[lag:][shared]
+        power = 0.5 * float(before @ before + after @ after)
+        if len(before) < LEAST_PAIRS or power <= 0:
+            break
+        found.append((float(before @ after) / power, len(before)))
+    return found
+
+
+def _weighted(lags: list[tuple[float, int]], weights: tuple[float, ...]) -> float:
+    """The weighted sum of correlations, as a standard normal value at the same chance.
+
+    The sum is a quadratic form, and leans towards large values: its third cumulant comes from lags
+    of which two add up to another. A chi-square with that skewness stands for it.
+    """
+    parts = list(zip(weights, lags, strict=False))
+    if not parts:
+        return 0.0
+    used = [w for w, _ in parts]
+    variance = sum(w * w for w in used)
+    z = sum(w * r * n**0.5 for w, (r, n) in parts) / variance**0.5
+    triples = sum(
+        a * b * used[i + j + 1]
+        for i, a in enumerate(used)
+        for j, b in enumerate(used)
+        if i + j + 1 < len(used)
+    )
+    skewness = 6 * triples / variance**1.5 / lags[0][1] ** 0.5
+    return laws.normal_score_of_skewed(z, skewness)

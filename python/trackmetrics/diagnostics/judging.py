@@ -6,13 +6,14 @@ import numpy as np
 
 from trackmetrics import _chi2
 from trackmetrics.diagnostics import innovations as nu
-from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
+from trackmetrics.diagnostics import laws
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
 from trackmetrics.diagnostics.deriving import quadratic_forms
 from trackmetrics.diagnostics.grammar import Word
 from trackmetrics.diagnostics.innovations import Correlation, Innovations, Offset
 from trackmetrics.diagnostics.outlying import robust_scale
-from trackmetrics.diagnostics.series import MATERIAL, Stretch, Trace
 from trackmetrics.diagnostics.state_bias import StateOffset, state_offsets
+from trackmetrics.diagnostics.trace import MATERIAL, Stretch, Trace
 
 EXPLAINED = 0.5
 """Share of the excess that a bias must take away to be the verdict."""
@@ -22,6 +23,8 @@ FAR = 2.0
 """Scale of the NEES above which it should show a bias that is real."""
 WELL_BEFORE = 2 / 3
 """Share of the updates before a fault that stand for what was before it."""
+NAMING = 0.6
+"""Share of the level at which a correlation names a cause: a wrong one is worse than none."""
 LEANING = 0.05
 """Chance below which the size of correlated innovations decides what to call them."""
 
@@ -31,10 +34,11 @@ class Quantity:
     """The NIS or the NEES of a track: its values, where they stand, and the verdict so far."""
 
     trace: Trace
-    """Values over ``inflation``."""
+    """Values over their inflation by what correlates in time."""
     rows: Integers
     """The update of each value."""
-    inflation: Floats
+    inflation: float
+    """The median of these factors."""
     word: Word
 
     def settled(self) -> Stretch | None:
@@ -70,13 +74,9 @@ def judge_innovations(
     """The verdict on the NIS in the light of the innovations (wrapped) of its settled part."""
     if values is None or columns.S is None:
         return nis, InnovationFindings()
-    rows = nis.settled_rows()
-    rows = rows[present(values[rows]) & present(columns.S[rows])]
-    if len(rows) < nu.LEAST_UPDATES:
+    found = _settled_innovations(nis, columns, values, columns.S)
+    if len(found) < nu.LEAST_UPDATES:
         return nis, InnovationFindings()
-    types = columns.measurement_type
-    kinds = np.full(len(rows), "", object) if types is None else types[rows].astype(str)
-    found = Innovations(values[rows], columns.S[rows], kinds.astype(object))
     biases = [o for o in nu.offsets(found) if o.p_value < level]
     white = nu.correlation(nu.without(found, biases))
     if biases and white.sign(level) > 0:
@@ -86,12 +86,26 @@ def judge_innovations(
     verdict = nis.word.verdict
     if biases:
         verdict = "biased" if _only_an_end(nis.word) else _biased(verdict, found, clean)
-    elif verdict == "consistent" and sign:
-        verdict = _leaning(clean)
-    cause = _cause(verdict, white.lasting_sign(level, high="optimistic" in verdict))
+    elif verdict == "consistent":
+        verdict = _leaning(clean) if sign else _together(clean, white, level)
+    cause = _cause(verdict, white.lasting_sign(NAMING * level, high="optimistic" in verdict))
     if cause == "measurement noise too small" and _heavy_tailed(nis, level):
         cause = None
     return nis.called(verdict), InnovationFindings(tuple(biases), white, cause)
+
+
+def _settled_innovations(
+    nis: Quantity, columns: Columns, values: Floats, covariances: Floats
+) -> Innovations:
+    """The innovations of the settled part, of each the components that have a variance."""
+    rows = nis.settled_rows()
+    there = components(values[rows], covariances[rows])
+    some = there.any(axis=1)
+    rows, there = rows[some], there[some]
+    types = columns.measurement_type
+    kinds = np.full(len(rows), "", object) if types is None else types[rows].astype(str)
+    kept = np.where(there, values[rows], np.nan)
+    return Innovations(kept, covariances[rows], kinds.astype(object))
 
 
 def _only_an_end(word: Word) -> bool:
@@ -101,13 +115,32 @@ def _only_an_end(word: Word) -> bool:
 
 def _leaning(innovations: Innovations) -> str:
     """What to call innovations that are correlated in time: by their size, if it says anything."""
-    dof = float((~np.isnan(innovations.values)).sum())
-    total = float((nu.whitened(innovations) ** 2).sum())
+    return _called_by_size(*innovations.scale)
+
+
+def _called_by_size(total: float, dof: float) -> str:
     if _chi2.sf(total, dof) < LEANING / 2:
         return "optimistic"
     if _chi2.cdf(total, dof) < LEANING / 2:
         return "pessimistic"
     return "non_white"
+
+
+def _together(innovations: Innovations, white: Correlation, level: float) -> str:
+    """Size and correlation in time at once: each may say too little by itself.
+
+    Both are standard normal and independent for an honest filter. A noise that is wrong moves both;
+    their sum and their difference over the root of 2 are tested, since either sign may come with
+    either size.
+    """
+    total, dof = innovations.scale
+    if 1 / MATERIAL <= total / dof <= MATERIAL:
+        return "consistent"
+    size = float(laws.normal_scores(np.array([total]), np.array([dof]))[0])
+    z = (abs(size) + abs(white.z)) / 2**0.5
+    if 2 * laws.normal_two_sided(z) > level:
+        return "consistent"
+    return "optimistic" if size > 0 else "pessimistic"
 
 
 def _biased(verdict: str, found: Innovations, clean: Innovations) -> str:
@@ -116,8 +149,7 @@ def _biased(verdict: str, found: Innovations, clean: Innovations) -> str:
         return "biased"
     if verdict != "optimistic":
         return verdict
-    dof = float((~np.isnan(found.values)).sum())
-    before, after = (float((nu.whitened(i) ** 2).sum()) / dof for i in (found, clean))
+    before, after = (total / dof for total, dof in (found.scale, clean.scale))
     return "biased" if before - after > EXPLAINED * (before - 1.0) else verdict
 
 
@@ -144,9 +176,10 @@ def judge_errors(
     if columns.error is None or columns.P is None:
         return nees, ()
     rows = nees.settled_rows()
-    rows = rows[present(columns.error[rows]) & present(columns.P[rows])]
-    e, p = columns.error[rows], columns.P[rows]
-    steps = None if columns.A is None else transitions(columns, rows)
+    there = components(columns.error[rows], columns.P[rows])
+    rows, there = rows[there.any(axis=1)], there[there.any(axis=1)]
+    e, p = np.where(there, columns.error[rows], np.nan), columns.P[rows]
+    steps = None if columns.A is None or not there.all() else transitions(columns, rows)
     biases = tuple(o for o in state_offsets(e, p, steps) if o.p_value < level)
     verdict = nees.word.verdict
     open_to_bias = ("consistent", "optimistic", "transient", "outliers", "partly_pessimistic")
@@ -162,9 +195,9 @@ def _explains(
     bias = np.zeros(errors.shape[1])
     for offset in biases:
         bias[offset.state] = offset.value
+    dof = float((~np.isnan(errors)).sum())
     before, after = (
-        float(quadratic_forms(e, covariances).mean()) / errors.shape[1]
-        for e in (errors, errors - bias)
+        float(quadratic_forms(e, covariances).sum()) / dof for e in (errors, errors - bias)
     )
     if before < MATERIAL:
         return min(b.p_value for b in biases) < level / 4
@@ -186,8 +219,9 @@ def reconciled(
 
     What only an end of one of them shows gives way to a bias that the other shows: a filter absorbs
     a bias as it starts. A mean innovation is no bias where the errors are far too large and have no
-    mean; a mean error is none where both are smaller than claimed. And a NIS that diverges late is
-    optimistic where the NEES was so from the start.
+    mean; a mean error is none where both are smaller than claimed. Innovations that are correlated
+    in time are called by the size of the errors, if it says anything. And a NIS that diverges late
+    is optimistic where the NEES was so from the start.
     """
     if nees.word.verdict == "biased" and _only_an_end(nis.word):
         nis = replace(nis, word=Word("consistent"))
@@ -199,15 +233,22 @@ def reconciled(
     if nis.word.verdict == "biased" and unexplained and _scale(nees) > FAR:
         nis = replace(nis, word=Word("optimistic"))
     onset = nis.word.onset
+    if (nis.word.verdict, nees.word.verdict) == ("non_white", "consistent"):
+        nis = nis.called(_called_by_size(*_sums(nees)))
     late = (nis.word.verdict, nees.word.verdict) == ("late_divergence", "optimistic")
     if late and onset is not None and dishonest_before(nees, int(nis.rows[onset])):
         nis = replace(nis, word=Word("optimistic"))
     return nis, nees
 
 
-def _scale(quantity: Quantity) -> float:
+def _sums(quantity: Quantity) -> tuple[float, float]:
     values, dof = quantity.trace.kept_values()
-    return float(values.sum() / dof.sum())
+    return float(values.sum()), float(dof.sum())
+
+
+def _scale(quantity: Quantity) -> float:
+    total, dof = _sums(quantity)
+    return total / dof
 
 
 def dishonest_before(nees: Quantity, onset: int) -> bool:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics._chi2 import cdf, special
+from trackmetrics._chi2 import cdf, sf, special
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +32,32 @@ def normal_scores(values: Floats, dof: Floats) -> Floats:
     """Standard normal values at the same chance as these chi-square values."""
     scores: Floats = special().ndtri(np.clip(cdf(values, dof), 1e-12, 1.0 - 1e-12))
     return scores
+
+
+def nearly_normal(ratios: Floats, dof: Floats) -> Floats:
+    """Nearly standard normal values from chi-square values over their degrees of freedom.
+
+    The cube root of Wilson and Hilferty (1931), doi:10.1073/pnas.17.12.684: a fifth of the cost of
+    exact scores, where only their correlation is asked for.
+    """
+    spread = 2.0 / (9.0 * dof)
+    scores: Floats = (np.cbrt(ratios) - (1.0 - spread)) / np.sqrt(spread)
+    return scores
+
+
+def normal_score_of_skewed(value: float, skewness: float) -> float:
+    """Standard normal value at the same chance as this one, of mean 0, variance 1 and a skewness.
+
+    By the chi-square of that skewness, moved and scaled (Pearson's type III); 0 is the normal.
+    """
+    if skewness <= 0:
+        return value
+    dof = 8 / skewness**2
+    moved = max(0.0, dof + value * (2 * dof) ** 0.5)
+    # Of either side the tail, so that far values keep their digits.
+    if moved > dof:
+        return -float(special().ndtri(max(sf(moved, dof), 1e-300)))
+    return float(special().ndtri(max(cdf(moved, dof), 1e-300)))
 
 
 def holm(p_values: Floats) -> Floats:

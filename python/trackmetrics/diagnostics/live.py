@@ -7,35 +7,32 @@ chance / n at most, so that within n values a false alarm has at most that ``cha
 Page (1954), doi:10.1093/biomet/41.1-2.100.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
 import numpy as np
 
+from trackmetrics import _backend
 from trackmetrics.diagnostics.columns import Floats
-from trackmetrics.diagnostics.results import Record
+from trackmetrics.diagnostics.records import Record
 
 TOO_LARGE = 2.5
 TOO_SMALL = 0.4
 CHANCE = 0.01
 
 
-def increments(values: Floats, dof: Floats, scale: float) -> Floats:
-    """The log-likelihood ratio of each value."""
-    return -(dof / 2) * log(scale) + (values / 2) * (1 - 1 / scale)
-
-
-def first_alarm(values: Floats, dof: Floats, chance: float = CHANCE) -> tuple[int, int] | None:
-    """Where the sum for "too large" first passes its threshold, and where it began to rise."""
-    if not len(values):
-        return None
-    sums = np.concatenate([[0.0], np.cumsum(increments(values, dof, TOO_LARGE))])
-    lowest = np.minimum.accumulate(sums)
-    above = np.flatnonzero(sums[1:] - lowest[1:] > log(len(values) / chance))
-    if not len(above):
-        return None
-    alarm = int(above[0])
-    return alarm, int(np.flatnonzero(sums[: alarm + 1] == lowest[alarm])[-1])
+def first_alarms(
+    pairs: Sequence[tuple[Floats, Floats]], chance: float = CHANCE
+) -> list[tuple[int, int] | None]:
+    """Where the sum for "too large" of each sequence first passes its threshold, and where it
+    began to rise."""
+    if not pairs:
+        return []
+    starts = np.concatenate([[0], np.cumsum([len(values) for values, _ in pairs])])
+    values, dof = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
+    alarms = _backend.kernels.first_alarms(values, dof, starts.astype(np.int64), TOO_LARGE, chance)
+    return [(alarm, onset) if alarm >= 0 else None for alarm, onset in alarms.tolist()]
 
 
 @dataclass(frozen=True)

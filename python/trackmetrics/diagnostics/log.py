@@ -1,26 +1,16 @@
 """A log of an estimator: one row per update, many tracks, whatever columns there are."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.diagnostics.columns import Columns
-
-
-@dataclass(frozen=True)
-class State:
-    """A state of the estimator, by name."""
-
-    name: str
-    """Its name."""
-    unit: str = ""
-    """Its unit; empty where nobody said."""
-    period: float | None = None
-    """The period of an angle in that unit (360 for degrees), None for what is not an angle."""
+from trackmetrics.diagnostics import sources, tables, writing
+from trackmetrics.diagnostics.building import build
+from trackmetrics.diagnostics.columns import FLOATS, Columns, present
+from trackmetrics.diagnostics.header import Header, State
 
 
 class EstimatorLog:
@@ -65,6 +55,8 @@ class EstimatorLog:
         """How many repeated rows of each track were dropped."""
         self.time_unit = time_unit
         """Unit of the times."""
+        self.start_time = float(columns.time[list(self.starts[:-1])].min())
+        """Time of the first update of any track."""
 
     @classmethod
     def from_columns(
@@ -96,17 +88,18 @@ class EstimatorLog:
             ``track`` (default: one track), ``time`` (default: 0, 1, ... in each track),
             ``status`` (``"tentative"`` or ``"active"``), ``measurement_type``, ``observed`` (the
             states that each component of the measurement observes, by name or index); of each row
-            one number: ``nis``, ``nis_dof``, ``nees``; a vector of the measurement: ``z``,
-            ``innovation``; a vector of the state: ``x_pred``, ``x``, ``truth``, ``error``, ``std``;
-            a matrix: ``S``, ``R``, ``P_pred``, ``P``, ``A`` (covariances also as the upper
-            triangle). Rows are in the order of time within each track; None or NaN is missing.
+            one number: ``nis``, ``nis_dof``, ``nees``, ``nees_dof``; a vector of the measurement:
+            ``z``, ``innovation``; a vector of the state: ``x_pred``, ``x``, ``truth``, ``error``,
+            ``std``; a matrix: ``S``, ``R``, ``P_pred``, ``P``, ``A`` (covariances also as the upper
+            triangle). Rows are in the order of time within each track; None or NaN is missing, a
+            row or single components of it (of a matrix with their rows and columns).
 
         Returns
         -------
         EstimatorLog
             With NIS from ``innovation`` and ``S`` (and these from ``z``, ``x_pred``, ``P_pred``,
             ``R`` and ``observed``), errors from ``x`` and ``truth``, and NEES from errors and ``P``
-            where absent.
+            where absent, each over the components that there are, with so many degrees of freedom.
 
         Raises
         ------
@@ -120,12 +113,10 @@ class EstimatorLog:
         --------
         >>> EstimatorLog.from_columns(nis=[2.0, 1.5, 0.3], nis_dof=[2, 4, 2], nees=[4.0, 5.5, 3.9],
         ...                           state_dim=5)
-        EstimatorLog(1 track, 3 updates, columns: nis, nis_dof, nees)
+        EstimatorLog(1 track, 3 updates, columns: nis, nis_dof, nees, nees_dof)
         """
-        from trackmetrics.diagnostics.building import Header, build
-
         header = Header(states, state_dim, angles or {}, measurement_angles or {}, time_unit)
-        return build(columns, header)
+        return cls(*build(columns, header))
 
     @classmethod
     def from_frame(
@@ -145,11 +136,9 @@ class EstimatorLog:
         :meth:`from_columns`; a vector is a column of lists, or a list of columns:
         ``{"nis_dof": "df", "std": ["std_x", "std_y"]}``.
         """
-        from trackmetrics.diagnostics.building import Header
-        from trackmetrics.diagnostics.reading import from_frame
-
         header = Header(states, state_dim, angles or {}, measurement_angles or {}, time_unit)
-        return from_frame(frame, columns, header)
+        table = tables.chosen(tables.from_frame(frame), columns or {})
+        return cls(*build(table, header))
 
     @classmethod
     def from_filterpy(
@@ -168,11 +157,8 @@ class EstimatorLog:
         The saver is called once after each update. ``truth`` holds the true states, ``times`` the
         times, one for each epoch; with several savers, dictionaries of them by name.
         """
-        from trackmetrics.diagnostics.building import Header
-        from trackmetrics.diagnostics.sources import from_filterpy
-
         header = Header(states, None, angles or {}, measurement_angles or {}, time_unit)
-        return from_filterpy(savers, truth, times, header)
+        return cls(*build(sources.from_filterpy(savers, truth, times), header))
 
     @classmethod
     def from_stone_soup(
@@ -189,11 +175,8 @@ class EstimatorLog:
         ``truths`` gives the ground truth path of a track, by the track or by its id; it is matched
         by time stamps.
         """
-        from trackmetrics.diagnostics.building import Header
-        from trackmetrics.diagnostics.sources import from_stone_soup
-
         header = Header(states, None, angles or {}, measurement_angles or {}, "s")
-        return from_stone_soup(tracks, truths, header)
+        return cls(*build(sources.from_stone_soup(tracks, truths), header))
 
     def __getitem__(self, track: str) -> Columns:
         """The columns of one track."""
@@ -224,8 +207,6 @@ class EstimatorLog:
 
     def was_logged(self, column: str) -> NDArray[np.bool_]:
         """Which rows of a column hold a value that was read, not computed here."""
-        from trackmetrics.diagnostics.columns import present
-
         values = getattr(self.columns, column)
         if values is None:
             return np.zeros(len(self), bool)
@@ -233,14 +214,21 @@ class EstimatorLog:
 
     def write(self, path: str | Path) -> None:
         """Write the log to a ``.jsonl``, ``.csv`` or ``.parquet`` file, for :func:`read_log`."""
-        from trackmetrics.diagnostics.writing import write_log
-
-        write_log(self, path)
+        header = writing.header(self.states, self.measurement_angles, self.time_unit)
+        logged = {n: self.was_logged(n) for n in FLOATS if getattr(self.columns, n) is not None}
+        records = (
+            record
+            for t, track in enumerate(self.tracks)
+            for record in writing.records(
+                track,
+                self.columns.take(self.rows(t)),
+                {name: there[self.rows(t)] for name, there in logged.items()},
+            )
+        )
+        writing.write(Path(path), header, records)
 
     def __repr__(self) -> str:
         """Its size and columns."""
-        from trackmetrics.diagnostics.columns import FLOATS
-
         names = ", ".join(name for name in FLOATS if getattr(self.columns, name) is not None)
         tracks = f"{len(self.tracks)} track{'s' if len(self.tracks) != 1 else ''}"
         return f"EstimatorLog({tracks}, {len(self)} updates, columns: {names})"

@@ -1,15 +1,12 @@
 """Isolated values that are far too large: bad measurements, to be reported before anything else."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from trackmetrics import _chi2
 from trackmetrics.diagnostics.columns import Floats, Integers
-
-if TYPE_CHECKING:
-    from trackmetrics.diagnostics.series import Trace
+from trackmetrics.diagnostics.trace import Trace
 
 LEAST_UPDATES = 10
 MOST = 0.12
@@ -22,7 +19,7 @@ NEAR = 3
 """Large values that are no further apart belong together."""
 
 
-def set_aside(traces: Sequence["Trace"], level: float) -> None:
+def set_aside(traces: Sequence[Trace], level: float) -> None:
     """Takes outliers out of ``kept``: extreme under the robust scale of the rest, and alone."""
     for trace in _suspicious(traces, level):
         outliers: Integers = np.empty(0, np.int64)
@@ -36,25 +33,31 @@ def set_aside(traces: Sequence["Trace"], level: float) -> None:
         trace.outliers = tuple(outliers.tolist())
 
 
-def _suspicious(traces: Sequence["Trace"], level: float) -> list["Trace"]:
-    """Those with any value that is extreme under a scale of 1: the robust scale is never less."""
+def _suspicious(traces: Sequence[Trace], level: float) -> list[Trace]:
+    """Those with any value that may be extreme."""
     if not traces:
         return []
-    tails = _chi2.sf(
-        np.concatenate([s.values for s in traces]), np.concatenate([s.dof for s in traces])
-    )
-    starts = np.concatenate([[0], np.cumsum([len(s.values) for s in traces])[:-1]])
-    least = np.minimum.reduceat(tails, starts)
-    return [
-        s
-        for s, p in zip(traces, least, strict=True)
-        if len(s.values) >= LEAST_UPDATES and p < level / len(s.values)
-    ]
+    values = np.concatenate([t.values for t in traces])
+    dof = np.concatenate([t.dof for t in traces])
+    starts = np.cumsum([0, *(len(t.values) for t in traces)])
+    # Below this no value is extreme, whatever its degrees of freedom: few are left to look at.
+    large = np.flatnonzero(values > _chi2.upper_quantile(level / LEAST_UPDATES, dof.min()))
+    of_trace = np.searchsorted(starts, large, side="right") - 1
+    tails = _chi2.sf(values[large], dof[large])
+    for i, tail in zip(of_trace.tolist(), tails.tolist(), strict=True):
+        traces[i].least_tail = min(traces[i].least_tail, tail)
+    return [t for t in traces if len(t.values) >= LEAST_UPDATES and is_suspicious(t, level)]
+
+
+def is_suspicious(trace: Trace, level: float) -> bool:
+    """Whether any value is extreme under a scale of 1: the robust scale is never less."""
+    return trace.least_tail < level / len(trace.values)
 
 
 def robust_scale(values: Floats, dof: Floats) -> float:
     """The median of the values over the median that chi-square promises, at least 1."""
-    return max(1.0, float(np.median(values / _chi2.quantile(0.5, dof))))
+    kinds, which = np.unique(dof, return_inverse=True)
+    return max(1.0, float(np.median(values / _chi2.quantile(0.5, kinds)[which])))
 
 
 def _isolated(values: Floats, dof: Floats, scale: float, level: float) -> Integers:

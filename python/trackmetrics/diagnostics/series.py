@@ -5,77 +5,32 @@ sequences of a log are judged together, stage by stage, so that special function
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from trackmetrics import _backend, _chi2
+from trackmetrics.consistency.correlation import correlation_times
 from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Floats, Integers
+from trackmetrics.diagnostics.live import first_alarms
+from trackmetrics.diagnostics.outlying import set_aside
 from trackmetrics.diagnostics.penalties import deserved
+from trackmetrics.diagnostics.trace import (
+    LEAST_SEGMENT,
+    MATERIAL,
+    MOST_SEGMENTS,
+    Candidates,
+    Stretch,
+    Trace,
+)
 
-LEAST_UPDATES = 4
-LEAST_DOF = 8.0
-LEAST_SEGMENT = 2
-MOST_SEGMENTS = 4
-MATERIAL = 1.25
-"""A scale within this factor of 1 is no fault, however certain."""
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Updates ``start:stop`` with their sum, degrees of freedom and what follows."""
-
-    start: int
-    stop: int
-    sum: float
-    dof: float
-    scale: float
-    interval: tuple[float, float]
-    p_value: float
-    label: str
-    spike: bool = False
-    """High by one value alone, and therefore called consistent."""
-
-    def __len__(self) -> int:
-        """How many updates."""
-        return self.stop - self.start
-
-
-@dataclass
-class Trace:
-    """A sequence of chi-square values, and what became of it."""
-
-    values: Floats
-    dof: Floats
-    spikes: bool
-    """Whether these are NIS: single large values may be outliers, and what correlates in time is
-    not yet accounted for. Values of NEES come divided by their autocorrelation time."""
-    kept: Integers = field(default_factory=lambda: np.empty(0, np.int64))
-    """The values that are not set aside."""
-    outliers: tuple[int, ...] = ()
-    """The values that are."""
-    stretches: tuple[Stretch, ...] = ()
-    """The kept values, cut where the scale changes; indices count kept values."""
-    start_p: float = 1.0
-    """P-value of "the beginning is not too large", and its length."""
-    start_length: int = 0
-    end_p: float = 1.0
-    """The same of the end."""
-    end_length: int = 0
-    found: "Candidates | None" = None
-    """Its partitions, where they are known."""
-
-    @cached_property
-    def sufficient(self) -> bool:
-        """Whether there is enough to judge."""
-        return len(self.values) >= LEAST_UPDATES and float(self.dof.sum()) >= LEAST_DOF
-
-    def kept_values(self) -> tuple[Floats, Floats]:
-        """Values and degrees of freedom without outliers."""
-        return self.values[self.kept], self.dof[self.kept]
+Pair = tuple[Floats, Floats]
+"""Values and their degrees of freedom."""
+CORRELATED = 1.3
+"""Correlation time above which cuts cost more."""
+LEAST_CORRELATED = 20
+"""Updates from which on a correlation time can be told."""
 
 
 def cut(traces: Sequence[Trace], level: float) -> None:
@@ -83,42 +38,46 @@ def cut(traces: Sequence[Trace], level: float) -> None:
     enough = [s for s in traces if s.sufficient]
     for trace in enough:
         trace.kept = np.arange(len(trace.values))
-    from trackmetrics.diagnostics.outlying import set_aside
-
     set_aside([s for s in enough if s.spikes], level)
     pairs = [s.kept_values() for s in enough]
     edges = _all_edges(enough, pairs, level)
     for trace, stretches in zip(enough, _tested(pairs, edges, level), strict=True):
         trace.stretches = stretches
     _drop_spikes([s for s in enough if s.spikes])
-    _test_ends(enough, pairs)
+    _test_ends(enough, pairs, level)
+    for trace, alarm in zip(enough, first_alarms([(t.values, t.dof) for t in enough]), strict=True):
+        trace.alarm = alarm
 
 
-def _all_edges(
-    traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]], level: float
-) -> list[list[int]]:
-    """Where each trace is cut; those that come with candidates are not searched again."""
-    new = candidates([p for t, p in zip(traces, pairs, strict=True) if t.found is None])
-    left = iter(new)
-    return [
-        chosen(pair, trace.found or next(left), level, corrected=trace.spikes)
-        for trace, pair in zip(traces, pairs, strict=True)
-    ]
+def _all_edges(traces: Sequence[Trace], pairs: Sequence[Pair], level: float) -> list[list[int]]:
+    """Where each trace is cut; those that come with candidates are not searched again.
+
+    The penalty of NIS is raised by the correlation time of the normal scores within the longest
+    stretch found first, where that is material.
+    """
+    new = iter(candidates([p for t, p in zip(traces, pairs, strict=True) if t.found is None]))
+    found = [trace.found or next(new) for trace in traces]
+    cuts = edges(pairs, found, level)
+    doubtful = [i for i, t in enumerate(traces) if t.spikes and _is_doubtful(cuts[i])]
+    # Of the longest stretch: what a fault does to later values is no property of the data.
+    longest = [_longest(pairs[i], cuts[i]) for i in doubtful]
+    times = correlation_times(scores_within(longest, [[0, len(v)] for v, _ in longest]))
+    for i, time in zip(doubtful, times, strict=True):
+        if time > CORRELATED:
+            cuts[i] = _edges(pairs[i], found[i], level, float(time))
+    return cuts
 
 
-@dataclass(frozen=True)
-class Candidates:
-    """The best partitions of one sequence, by number of cuts."""
-
-    gains: Floats
-    cuts: Integers
-
-    def edges(self, count: int, length: int) -> list[int]:
-        """The edges of its stretches, from 0 to its length."""
-        return [0, *self.cuts[count, :count].tolist(), length]
+def _is_doubtful(edges: Sequence[int]) -> bool:
+    return len(edges) > 2 and edges[-1] >= LEAST_CORRELATED
 
 
-def candidates(pairs: Sequence[tuple[Floats, Floats]]) -> list[Candidates]:
+def _longest(pair: Pair, edges: Sequence[int]) -> Pair:
+    a, b = max(pairwise(edges), key=lambda edge: edge[1] - edge[0])
+    return pair[0][a:b], pair[1][a:b]
+
+
+def candidates(pairs: Sequence[Pair]) -> list[Candidates]:
     """The best partitions of every sequence, in one go."""
     if not pairs:
         return []
@@ -130,55 +89,34 @@ def candidates(pairs: Sequence[tuple[Floats, Floats]]) -> list[Candidates]:
     return [Candidates(g, c) for g, c in zip(gains, cuts, strict=True)]
 
 
-def chosen(
-    pair: tuple[Floats, Floats], found: Candidates, level: float, corrected: bool
-) -> list[int]:
-    """Where a sequence is cut: the edges of its stretches.
+def edges(pairs: Sequence[Pair], found: Sequence[Candidates], level: float) -> list[list[int]]:
+    """Where each sequence is cut: the edges of its stretches."""
+    return [_edges(pair, best, level) for pair, best in zip(pairs, found, strict=True)]
 
-    With ``corrected`` the penalty is raised by the integrated autocorrelation time of the normal
-    scores within the longest stretch found first, where that is material.
-    """
-    values, dof = pair
-    n = len(values)
-    count = deserved(found.gains, dof, LEAST_SEGMENT, level) if n >= 2 * LEAST_SEGMENT else 0
-    if count and corrected and n >= 20:
-        # Of the longest stretch: what a fault does to later values is no property of the data.
-        a, b = max(pairwise(found.edges(count, n)), key=lambda edge: edge[1] - edge[0])
-        tau = autocorrelation_time(scores_within(values[a:b], dof[a:b], [0, b - a]))
-        if tau > 1.3:
-            count = deserved(found.gains, dof, LEAST_SEGMENT, level, tau)
+
+def _edges(pair: Pair, found: Candidates, level: float, factor: float = 1.0) -> list[int]:
+    """Those of one sequence, each cut of which costs its penalty times ``factor``."""
+    n = len(pair[0])
+    count = 0
+    if n >= 2 * LEAST_SEGMENT:
+        count = deserved(found.gains, pair[1], LEAST_SEGMENT, level, factor)
     return found.edges(count, n)
 
 
-def scores_within(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
-    """Normal scores of values under the scale of their own stretch."""
-    scales = np.concatenate(
-        [np.full(b - a, values[a:b].sum() / dof[a:b].sum()) for a, b in pairwise(edges)]
-    )
-    return laws.normal_scores(values / np.maximum(scales, 1e-300), dof)
+def scores_within(pairs: Sequence[Pair], edges: Sequence[Sequence[int]]) -> list[Floats]:
+    """Nearly normal scores of the values of each sequence under the scales of their stretches."""
+    return [_scores(v, d, places) for (v, d), places in zip(pairs, edges, strict=True)]
 
 
-def autocorrelation_time(values: Floats) -> float:
-    """Integrated autocorrelation time by Geyer's initial positive sequence (1992); at least 1.
-
-    doi:10.1214/ss/1177011137.
-    """
-    n = len(values)
-    x = values - values.mean()
-    variance = float(x @ x)
-    if n < 4 or variance <= 1e-24 * n:
-        return 1.0
-    time = 1.0
-    for lag in range(1, n // 3, 2):
-        pair = float(x[:-lag] @ x[lag:] + x[: -lag - 1] @ x[lag + 1 :]) / variance
-        if pair <= 0:
-            break
-        time += 2.0 * pair
-    return float(min(max(time, 1.0), n / 3))
+def _scores(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
+    sums, dofs = (np.add.reduceat(column, edges[:-1]) for column in (values, dof))
+    scales = np.maximum(sums / dofs, 1e-300)
+    spread = scales[0] if len(scales) == 1 else np.repeat(scales, np.diff(edges))
+    return laws.nearly_normal(values / (dof * spread), dof)
 
 
 def _tested(
-    pairs: Sequence[tuple[Floats, Floats]], edges: Sequence[Sequence[int]], level: float
+    pairs: Sequence[Pair], edges: Sequence[Sequence[int]], level: float
 ) -> list[tuple[Stretch, ...]]:
     """The stretches with their scales, intervals and corrected p-values."""
     sums, dofs = [], []
@@ -262,7 +200,7 @@ LONGEST_END = 8
 TESTS = 4.0
 
 
-def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) -> None:
+def _test_ends(traces: Sequence[Trace], pairs: Sequence[Pair], level: float) -> None:
     """Is the beginning, or the end, too large against the rest and against chi-square itself?
 
     Both an F test and a chi-square test of the first (last) 1 to 8 values, corrected for their
@@ -271,7 +209,7 @@ def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) 
     if not traces:
         return
     for reverse in (False, True):
-        p_values, lengths = _end_tests(pairs, reverse)
+        p_values, lengths = _end_tests(pairs, level, reverse)
         for trace, p, length in zip(traces, p_values, lengths, strict=True):
             if reverse:
                 trace.end_p, trace.end_length = float(p), int(length)
@@ -279,7 +217,7 @@ def _test_ends(traces: Sequence[Trace], pairs: Sequence[tuple[Floats, Floats]]) 
                 trace.start_p, trace.start_length = float(p), int(length)
 
 
-def _end_tests(pairs: Sequence[tuple[Floats, Floats]], reverse: bool) -> tuple[Floats, Integers]:
+def _end_tests(pairs: Sequence[Pair], level: float, reverse: bool) -> tuple[Floats, Integers]:
     """P-values of the ends of all traces, and the lengths that they are of."""
     lengths = np.array([len(values) for values, _ in pairs])
     starts = np.cumsum(lengths) - lengths
@@ -292,8 +230,11 @@ def _end_tests(pairs: Sequence[tuple[Floats, Floats]], reverse: bool) -> tuple[F
     used = np.arange(LONGEST_END) < most[:, None]
     n, m = np.where(used, n, n[:, :1]), np.where(used, m, m[:, :1])
     rest = np.maximum(total - n, 1e-300) / (dof - m)
-    p = np.maximum(laws.ratio_tail(n / m / rest, m, dof - m), _chi2.sf(n, m))
-    p = np.where(used, p, 2.0)
+    p = np.where(used, _chi2.sf(n, m), 2.0)
+    # The F test can only raise what is small enough to matter.
+    small = p < level
+    tails = laws.ratio_tail((n / m / rest)[small], m[small], (dof - m)[small])
+    p[small] = np.maximum(p[small], tails)
     best = np.argmin(p, axis=1)
     corrected = p[np.arange(len(pairs)), best] * np.minimum(most, TESTS)
     return np.minimum(1.0, corrected), best + 1

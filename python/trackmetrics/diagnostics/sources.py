@@ -1,25 +1,23 @@
-"""Logs from the runs of other libraries: filterpy's savers, Stone Soup's tracks."""
+"""Columns from the runs of other libraries: filterpy's savers, Stone Soup's tracks."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from trackmetrics.diagnostics.building import Header, build
-from trackmetrics.diagnostics.log import EstimatorLog
-
 Record = dict[str, Any]
+Table = dict[str, list[Any]]
 
 
-def from_filterpy(savers: Any, truths: Any, times: Any, header: Header) -> EstimatorLog:
-    """The log of one saver, or of several by the names of their tracks."""
+def from_filterpy(savers: Any, truths: Any, times: Any) -> Table:
+    """The columns of one saver, or of several by the names of their tracks."""
     named = savers if isinstance(savers, Mapping) else {"track": savers}
     truth_of = truths if isinstance(truths, Mapping) else dict.fromkeys(named, truths)
     times_of = times if isinstance(times, Mapping) else dict.fromkeys(named, times)
     records: list[Record] = []
     for name, saver in named.items():
         records += _saved(name, saver, truth_of.get(name), times_of.get(name))
-    return build(_columns(records), header)
+    return _columns(records)
 
 
 def _saved(name: str, saver: Any, truth: Any, times: Any) -> list[Record]:
@@ -58,8 +56,8 @@ def _measured(saver: Any, k: int) -> Record:
     return record
 
 
-def from_stone_soup(tracks: Iterable[Any], truths: Any, header: Header) -> EstimatorLog:
-    """The log of Stone Soup's tracks: one row for each state that is an update."""
+def from_stone_soup(tracks: Iterable[Any], truths: Any) -> Table:
+    """The columns of Stone Soup's tracks: one row for each state that is an update."""
     truth_of = truths if isinstance(truths, Mapping) else {}
     records: list[Record] = []
     for track in tracks:
@@ -71,7 +69,7 @@ def from_stone_soup(tracks: Iterable[Any], truths: Any, header: Header) -> Estim
     start = min(record["time"] for record in records)
     for record in records:
         record["time"] = (record["time"] - start).total_seconds()
-    return build(_columns(records), header)
+    return _columns(records)
 
 
 def _updated(track: Any, state: Any, truth: Mapping[Any, Any]) -> Record:
@@ -104,7 +102,7 @@ def _matrix(state: Any) -> Any:
     return np.asarray(state.covar, np.float64)
 
 
-def _columns(records: Sequence[Record]) -> dict[str, list[Any]]:
+def _columns(records: Sequence[Record]) -> Table:
     names = dict.fromkeys(name for record in records for name in record)
     columns = {name: [record.get(name) for record in records] for name in names}
     return {k: v for k, v in columns.items() if any(value is not None for value in v)}

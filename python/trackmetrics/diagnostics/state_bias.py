@@ -3,16 +3,17 @@
 With e_k = A_k e_(k-1) + d_k, a constant bias b enters the increments as d_k = (I - A_k) b + noise
 of covariance D_k = P_k - A_k P_(k-1) A_k', independent in time; e_0 = b + noise of covariance P_0.
 So b is found by generalised least squares, and its variance is the larger of the model's and of
-the sandwich of the scores (Newey and West 1987, doi:10.2307/1913610).
+the sandwich of the scores (Newey and West 1987, doi:10.2307/1913610). Without A, or where some
+components of the errors are missing, each state is tested by the mean of the errors that it has.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from trackmetrics.consistency.correlation import correlation_times
 from trackmetrics.diagnostics import laws
 from trackmetrics.diagnostics.columns import Floats
-from trackmetrics.diagnostics.series import autocorrelation_time
 
 LEAST_UPDATES = 8
 
@@ -28,23 +29,31 @@ class StateOffset:
 
 
 def state_offsets(errors: Floats, covariances: Floats, steps: Floats | None) -> list[StateOffset]:
-    """The constant error of every state, Holm-corrected; ``steps`` are the A_k, if known."""
-    if len(errors) < LEAST_UPDATES:
+    """The constant error of every state that has 8, Holm-corrected; ``steps`` are the A_k, if all
+    of them are known and no error misses a component."""
+    tested = np.flatnonzero((~np.isnan(errors)).sum(axis=0) >= LEAST_UPDATES)
+    if not len(tested):
         return []
     if steps is None:
-        values, z, dof = _means(errors, np.sqrt(covariances.diagonal(axis1=1, axis2=2)))
+        std = np.sqrt(covariances.diagonal(axis1=1, axis2=2))
+        values, z, dof = _means(errors[:, tested], std[:, tested])
     else:
         values, z, dof = _least_squares(errors, covariances, steps)
     p = laws.holm(laws.student_two_sided(z, dof))
-    return [StateOffset(i, float(values[i]), float(z[i]), float(p[i])) for i in range(len(values))]
+    columns = zip(tested.tolist(), values.tolist(), z.tolist(), p.tolist(), strict=True)
+    return [StateOffset(*column) for column in columns]
 
 
 def _means(errors: Floats, std: Floats) -> tuple[Floats, Floats, Floats]:
-    """Means of normalised errors, each worth n over its autocorrelation time."""
-    ratios = errors / std
-    worth = np.array([max(3.0, len(r) / autocorrelation_time(r)) for r in ratios.T])
-    spread = np.maximum(1.0, ratios.std(axis=0, ddof=1))
-    return errors.mean(axis=0), ratios.mean(axis=0) / (spread / np.sqrt(worth)), worth - 1
+    """Mean errors, the same in standard deviations, and the degrees of freedom of these."""
+    known = [~np.isnan(column) for column in errors.T]
+    ratios = [(e / s)[k] for e, s, k in zip(errors.T, std.T, known, strict=True)]
+    # As many independent ones as there are over their correlation time.
+    counts = np.array([len(r) for r in ratios])
+    worth = np.maximum(3.0, counts / correlation_times(ratios))
+    spread = np.array([max(1.0, float(r.std(ddof=1))) for r in ratios])
+    means = np.array([float(r.mean()) for r in ratios])
+    return np.nanmean(errors, axis=0), means / (spread / np.sqrt(worth)), worth - 1
 
 
 def _least_squares(

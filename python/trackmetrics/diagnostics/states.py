@@ -6,10 +6,11 @@ from functools import lru_cache
 import numpy as np
 
 from trackmetrics import _backend
-from trackmetrics.diagnostics.building import observed_mask
-from trackmetrics.diagnostics.columns import Columns, Floats, Integers, present
-from trackmetrics.diagnostics.log import State
-from trackmetrics.diagnostics.results import StateDiagnosis
+from trackmetrics.diagnostics.checking import completed
+from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components
+from trackmetrics.diagnostics.deriving import components_observed, observed_mask
+from trackmetrics.diagnostics.header import State
+from trackmetrics.diagnostics.records import StateDiagnosis
 
 EXACT = 10
 """Up to this many states the Shapley split is exact."""
@@ -22,8 +23,10 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Attribution:
-    """The mean squared error of each state over some updates, in three readings."""
+    """The mean squared error of each state over the updates that have it, in three readings."""
 
+    parts: Floats
+    """Its part of the sum of all NEES."""
     shares: Floats
     marginal: Floats
     unique: Floats
@@ -33,11 +36,13 @@ def attribute(errors: Floats, covariances: Floats) -> Attribution:
     """Splits the NEES of these updates over the states.
 
     Shapley shares add up to the NEES; a marginal value is e_i^2 / P_ii; a unique one is what the
-    NEES loses without the state, (P^-1 e)_i^2 / (P^-1)_ii.
+    NEES loses without the state, (P^-1 e)_i^2 / (P^-1)_ii. A component that is missing takes no
+    part in its update.
     """
-    d = errors.shape[1]
+    d, there = errors.shape[1], components(errors, covariances)
+    covariances = completed(covariances, there)
     std = np.sqrt(covariances.diagonal(axis1=1, axis2=2))
-    e, p = errors / std, covariances / std[:, :, None] / std[:, None, :]
+    e, p = np.where(there, errors, 0.0) / std, covariances / std[:, :, None] / std[:, None, :]
     e, p = np.ascontiguousarray(e), np.ascontiguousarray((p + p.swapaxes(1, 2)) / 2)
     if d <= EXACT:
         shares = _backend.kernels.shapley_shares(e, p)
@@ -46,7 +51,14 @@ def attribute(errors: Floats, covariances: Floats) -> Attribution:
     inverse = np.linalg.inv(p)
     pulled = np.einsum("kij,kj->ki", inverse, e)
     unique = pulled**2 / inverse.diagonal(axis1=1, axis2=2)
-    return Attribution(shares.mean(axis=0), (e**2).mean(axis=0), unique.mean(axis=0))
+    total, count = float(shares.sum()), there.sum(axis=0)
+    parts = shares.sum(axis=0) / total if total > 0 else np.full(d, NAN)
+    means = (_share(column.sum(axis=0), count) for column in (shares, e**2, unique))
+    return Attribution(np.where(count > 0, parts, NAN), *means)
+
+
+def _share(sums: Floats, count: Integers) -> Floats:
+    return np.where(count > 0, sums / np.maximum(count, 1), NAN)
 
 
 @lru_cache(maxsize=8)
@@ -63,7 +75,7 @@ def state_records(
     """One record a state; support is counted before the ``onset`` of a fault, if there is one."""
     if attribution is None and columns.observed is None and columns.std is None:
         return _unknown(states)
-    observed = _observed(columns, len(states))
+    observed = observed_states(columns, len(states))
     growth = _growth(columns)
     gains = _gains(columns)
     before = slice(onset)
@@ -115,17 +127,16 @@ def _mean(values: Floats) -> float:
 def _part(attribution: Attribution | None, i: int) -> tuple[float, float, float, float]:
     if attribution is None:
         return NAN, NAN, NAN, NAN
-    total = float(attribution.shares.sum())
-    nees = float(attribution.shares[i])
-    share = nees / total if total > 0 else NAN
-    return share, nees, float(attribution.marginal[i]), float(attribution.unique[i])
+    a = attribution
+    return float(a.parts[i]), float(a.shares[i]), float(a.marginal[i]), float(a.unique[i])
 
 
-def _observed(columns: Columns, states: int) -> Integers | None:
+def observed_states(columns: Columns, states: int) -> Integers | None:
     """``(rows, n)``: which states each update observes; None where the log does not say."""
-    if columns.observed is None or not (columns.observed >= 0).any():
+    observed = components_observed(columns)
+    if observed is None or not (observed >= 0).any():
         return None
-    mask: Integers = observed_mask(columns.observed, states)
+    mask: Integers = observed_mask(observed, states)
     return mask
 
 
@@ -146,23 +157,21 @@ def _support(
 
 def _growth(columns: Columns) -> list[tuple[float, float, float | None, float | None]]:
     """Of each state: first claim, largest ratio to it, its time, and when it had doubled."""
-    if columns.std is None or not present(columns.std).any():
+    if columns.std is None:
         return []
-    rows = np.flatnonzero(present(columns.std))
-    std, time = columns.std[rows], columns.time[rows]
-    reference = np.where(std[0] > 0, std[0], np.nan)
-    ratio = std / reference
-    found: list[tuple[float, float, float | None, float | None]] = []
-    for i in range(std.shape[1]):
-        if np.isnan(reference[i]):
-            found.append((float(std[0, i]), NAN, None, None))
-            continue
-        peak = int(np.argmax(ratio[:, i]))
-        doubled = ratio[:, i] > DOUBLED
-        first = np.flatnonzero(doubled[:-1] & doubled[1:])
-        onset = float(time[first[0]]) if len(first) else None
-        found.append((float(reference[i]), float(ratio[peak, i]), float(time[peak]), onset))
-    return found
+    return [_growth_of(std, columns.time) for std in columns.std.T]
+
+
+def _growth_of(std: Floats, time: Floats) -> tuple[float, float, float | None, float | None]:
+    known = ~np.isnan(std)
+    std, time = std[known], time[known]
+    if not len(std) or std[0] <= 0:
+        return float(std[0]) if len(std) else NAN, NAN, None, None
+    ratio = std / std[0]
+    peak, doubled = int(np.argmax(ratio)), ratio > DOUBLED
+    first = np.flatnonzero(doubled[:-1] & doubled[1:])
+    onset = float(time[first[0]]) if len(first) else None
+    return float(std[0]), float(ratio[peak]), float(time[peak]), onset
 
 
 def _gains(columns: Columns) -> Floats | None:

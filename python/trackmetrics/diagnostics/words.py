@@ -1,13 +1,13 @@
-"""A diagnosis in plain English: one paragraph with its numbers."""
+"""The findings of a diagnosis in plain English, a sentence or two each, with their numbers."""
 
-from trackmetrics.diagnostics.results import (
+from trackmetrics.diagnostics.records import (
     Bias,
     Outlier,
     QuantityVerdict,
     Segment,
     StateDiagnosis,
-    TrackDiagnosis,
 )
+from trackmetrics.diagnostics.timeline import Timeline
 
 MEANINGS = {
     "angle_wrap_bug": "its angles are not wrapped",
@@ -36,34 +36,28 @@ def number(value: float) -> str:
     return f"{value:.1e}"
 
 
-def when(time: float, unit: str) -> str:
-    """A time with its unit."""
-    text = f"{time:.0f}" if float(time).is_integer() else f"{time:.10g}"
-    return f"{text} {unit}".strip()
-
-
-def outliers_first(outliers: tuple[Outlier, ...], unit: str) -> str:
+def outliers_first(outliers: tuple[Outlier, ...], timeline: Timeline) -> str:
     """How many outliers, and when."""
     if not outliers:
         return ""
-    shown = ", ".join(when(o.time, unit) for o in outliers[:3])
+    shown = ", ".join(timeline.at(o.time) for o in outliers[:3])
     more = f" and {len(outliers) - 3} more" if len(outliers) > 3 else ""
     many = "outliers" if len(outliers) > 1 else "outlier"
     return f"{len(outliers)} {many} (at {shown}{more})."
 
 
-def quantity(verdict: QuantityVerdict, unit: str) -> str:
+def quantity(verdict: QuantityVerdict, timeline: Timeline) -> str:
     """A sentence or two on the NIS or the NEES."""
     name = verdict.quantity.upper()
     if verdict.verdict == "insufficient":
         return f"{name}: {verdict.updates} values are too few to judge." if verdict.updates else ""
-    text = f"{name}: " + "; ".join(_segment(s, unit) for s in verdict.segments)
+    text = f"{name}: " + "; ".join(_segment(s, timeline) for s in verdict.segments)
     if verdict.onset_time is not None:
-        text += f"; the fault begins at {when(verdict.onset_time, unit)}"
+        text += f"; the fault begins at {timeline.at(verdict.onset_time)}"
     if verdict.settle_time is not None:
-        text += f"; settled from {when(verdict.settle_time, unit)}"
+        text += f"; settled from {timeline.at(verdict.settle_time)}"
     if verdict.alarm_time is not None:
-        text += f"; an online monitor would have called at {when(verdict.alarm_time, unit)}"
+        text += f"; an online monitor would have called at {timeline.at(verdict.alarm_time)}"
     return text + "."
 
 
@@ -75,12 +69,11 @@ def _p_value(p: float) -> str:
     return f"p = {number(p)}" if p > 0 else "p < 1e-300"
 
 
-def _segment(segment: Segment, unit: str) -> str:
+def _segment(segment: Segment, timeline: Timeline) -> str:
     low, high = segment.interval
-    start, stop = segment.start_time, segment.stop_time
-    begin = f"{start:.0f}" if float(start).is_integer() else f"{start:.10g}"
+    begin = timeline.count(segment.start_time)
     return (
-        f"{begin} to {when(stop, unit)} {_SIDES[segment.label]} "
+        f"{begin} to {timeline.at(segment.stop_time)} {_SIDES[segment.label]} "
         f"(scale {number(segment.scale)} [{number(low)}, {number(high)}], "
         f"{_p_value(segment.p_value)})"
     )
@@ -123,36 +116,20 @@ def weakest_state(name: str | None, states: tuple[StateDiagnosis, ...]) -> str:
     return f"The weakest state is {name}: its claimed deviation grew {growth} times."
 
 
-def coverage(record: TrackDiagnosis, unit: str) -> str:
-    """How many updates over what time, and the longest gap."""
-    many = "updates" if record.updates != 1 else "update"
-    text = f"{record.updates} {many}"
-    extra = [f"{record.tentative} without a NIS"] if record.tentative else []
-    if record.repeated:
-        extra.append(f"{record.repeated} repeated rows dropped")
+def coverage(
+    updates: int, tentative: int, repeated: int, gap: tuple[float, float] | None, timeline: Timeline
+) -> str:
+    """How many updates, and the longest gap: how long, from when."""
+    text = f"{updates} update{'s' * (updates != 1)}"
+    extra = [f"{tentative} without a NIS"] if tentative else []
+    if repeated:
+        extra.append(f"{repeated} repeated rows dropped")
     if extra:
         text += f" ({', '.join(extra)})"
-    if record.longest_gap_time is not None:
-        gap = when(record.longest_gap, unit)
-        text += f"; longest gap {gap}, from {when(record.longest_gap_time, unit)}"
+    if gap is not None:
+        text += f"; longest gap {timeline.lasting(gap[0])}, from {timeline.at(gap[1])}"
     return text + "."
 
 
 SCALED = ("startup_then_pessimistic", "optimistic", "pessimistic", "partly_pessimistic")
 """Verdicts that a factor on the covariance answers."""
-
-
-def paragraph(record: TrackDiagnosis) -> str:
-    """The diagnosis of a track: outliers first, then what the quantities say, then why."""
-    unit, name = record.time_unit, record.verdict.replace("_", " ")
-    sentences = [f"{record.track}: {name}, {MEANINGS[record.verdict]}."]
-    sentences.append(outliers_first(record.outliers, unit))
-    sentences += [quantity(q, unit) for q in (record.nis, record.nees) if q is not None]
-    if record.verdict in SCALED:
-        sentences.append(advice(record.nees or record.nis))
-    if record.cause:
-        sentences.append(f"Probable cause: {record.cause}.")
-    sentences += [bias(b) for b in record.biases]
-    sentences.append(weakest_state(record.weakest_state, record.states))
-    sentences.append(coverage(record, unit))
-    return " ".join(s for s in [*sentences, *record.notes] if s)

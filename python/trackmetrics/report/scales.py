@@ -73,10 +73,16 @@ def angle_ticks(limits: Limits, period: float, signed: bool) -> list[tuple[float
     return [(float(t), f"{(t - low) % period + low:.6g}") for t in ticks]
 
 
+def whole(*columns: Floats) -> list[Floats]:
+    """The rows in which every column has a value: a line joins what is known."""
+    known = np.logical_and.reduce([np.isfinite(column) for column in columns])
+    return [column[known] for column in columns]
+
+
 def broken(
-    x: Floats, y: Floats, period: float | None, *others: Floats
+    x: Floats, y: Floats, *others: Floats, period: float | None
 ) -> tuple[NDArray[np.float64], ...]:
-    """The columns with a gap wherever an angle jumps by more than half its period."""
+    """The columns with a gap wherever an angle ``y`` jumps by more than half its period."""
     columns = (x, y, *others)
     if period is None or len(y) < 2:
         return columns

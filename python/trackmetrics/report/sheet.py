@@ -37,6 +37,11 @@ HONEST = 0.95
 """Share of an honest filter's values that the shaded intervals hold."""
 QUANTITY_HEIGHT, SUPPORT_ROW = 190.0, 36.0
 TITLE_ROOM, PANEL_GAP, BLOCK_GAP = 64.0, 42.0, 112.0
+WHOLE, PARTIAL = 8.0, 4.5
+"""Size of the symbols of updates with and without all components of their measurement."""
+
+SupportRow = tuple[str, str, list[tuple[str, bool, float, Floats]]]
+"""A measurement type, what it observes, and symbol, whether tentative, size and when."""
 
 
 def track_scene(subject: Subject, titled: bool = True) -> Scene:
@@ -89,9 +94,9 @@ def _quantity_panel(subject: Subject, verdict: QuantityVerdict, place: Rectangle
         *_outliers(subject, verdict.quantity),
         *events,
     ]
-    name, divisor = (
-        ("NIS", "dof") if verdict.quantity == "nis" else ("NEES", f"{len(subject.states) or 'n'}")
-    )
+    name, divisor = verdict.quantity.upper(), "dof"
+    if verdict.quantity == "nees" and len(set(dof[np.isfinite(dof)])) == 1:
+        divisor = f"{np.nanmax(dof):g}"
     return Panel(
         place,
         tuple(marks),
@@ -180,22 +185,27 @@ def _events(subject: Subject, verdict: QuantityVerdict) -> list[Mark]:
     return marks
 
 
-def _support_rows(subject: Subject) -> list[tuple[str, str, list[tuple[str, bool, Floats]]]]:
+def _support_rows(subject: Subject) -> list[SupportRow]:
     """Each measurement type with what it observes and when it came."""
-    found: dict[str, list[tuple[str, bool, Floats]]] = {}
+    found: dict[str, list[tuple[str, bool, float, Floats]]] = {}
+    lacking = subject.lacking()
     for kind, symbol, hollow, rows in subject.kinds():
-        found.setdefault(kind, []).append((symbol, hollow, subject.minutes[rows]))
+        parts = found.setdefault(kind, [])
+        for size, chosen in ((WHOLE, rows & ~lacking), (PARTIAL, rows & lacking)):
+            if chosen.any():
+                parts.append((symbol, hollow, size, subject.minutes[chosen]))
     observed = subject.track.observed
     return [(kind, ", ".join(observed.get(kind, ())) or "", parts) for kind, parts in found.items()]
 
 
 def _support_panel(
     subject: Subject,
-    rows: Sequence[tuple[str, str, list[tuple[str, bool, Floats]]]],
+    rows: Sequence[SupportRow],
     place: Rectangle,
 ) -> Panel:
     """One row a measurement type: when it came, and which states it observes."""
     marks: list[Mark] = []
+    small = "; small: some components missing" if subject.lacking().any() else ""
     limits = subject.x_limits
     start = limits[0] + 0.004 * (limits[1] - limits[0])
     for i, (kind, states, parts) in enumerate(rows):
@@ -203,13 +213,14 @@ def _support_panel(
         words = f"{kind} observes {states}" if states else kind
         marks.append(Text(start, y + 0.26, words, "muted"))
         marks.append(Level(y - 0.2, "grid"))
-        for symbol, hollow, x in parts:
+        for symbol, hollow, size, x in parts:
             level = np.full(len(x), y - 0.2)
-            marks.append(Points(x, level, subject.style.colour, symbol, hollow, 8.0, kind))
+            name = f"{kind}, some components missing" if size == PARTIAL else kind
+            marks.append(Points(x, level, subject.style.colour, symbol, hollow, size, name))
     return Panel(
         place,
         tuple(marks),
-        title="Support: which measurement came when (hollow: tentative)",
+        title=f"Support: which measurement came when (hollow: tentative{small})",
         y_label="support",
         x_limits=limits,
         y_limits=(-len(rows) + 0.5, 0.5),

@@ -29,6 +29,7 @@ from trackmetrics.report.scales import (
     on_branch,
     on_log_axis,
     unrolled,
+    whole,
 )
 from trackmetrics.report.subject import Subject
 
@@ -103,17 +104,19 @@ def _value(subject: Subject, index: int, place: Rectangle) -> Panel:
     estimate, truth = subject.state_column("x", index), subject.state_column("truth", index)
     assert estimate is not None
     if state.period is not None:
-        base = unrolled(estimate if truth is None else truth, state.period)
+        base = estimate if truth is None else np.where(np.isfinite(truth), truth, estimate)
+        base = unrolled(base, state.period)
         estimate = on_branch(estimate, base, state.period)
-        truth = None if truth is None else base
+        truth = None if truth is None else on_branch(truth, base, state.period)
     std, measured = subject.state_column("std", index), _measured(subject, index, estimate)
     marks: list[Mark] = []
     if std is not None:
-        bx, by, bs = broken(x, estimate, state.period, std)
+        bx, by, bs = broken(*whole(x, estimate, std), period=state.period)
         marks.append(Band(bx, by - 2 * bs, by + 2 * bs, f"{subject.style.colour}/0.18", "±2 σ"))
     if truth is not None:
-        marks.append(Line(x, truth, "ink", 1.3, "dash", "truth"))
-    ex, ey = broken(x, estimate, state.period)
+        tx, ty = whole(x, truth)
+        marks.append(Line(tx, ty, "ink", 1.3, "dash", "truth"))
+    ex, ey = broken(*whole(x, estimate), period=state.period)
     marks.append(Line(ex, ey, subject.style.colour, 1.8, name="estimate"))
     return _value_panel(subject, state, place, (*marks, *measured))
 
@@ -150,7 +153,7 @@ def _measured(subject: Subject, index: int, estimate: Floats) -> list[Points]:
     z = np.where(hits & np.isfinite(value), value, 0.0).sum(axis=1)
     period = subject.states[index].period
     if period is not None:
-        z = on_branch(z, estimate, period)
+        z = on_branch(z, np.where(np.isfinite(estimate), estimate, z), period)
     points = []
     for kind, symbol, hollow, rows in subject.kinds():
         chosen = rows & seen
@@ -170,7 +173,8 @@ def _claim(subject: Subject, index: int, place: Rectangle) -> Panel:
     limits = log_limits([std / reference], headroom=doubled is not None)
     marks: list[Mark] = [Level(1.0, "muted/0.8")]
     ratio = on_log_axis(std / reference, limits)
-    marks.append(Line(subject.minutes, ratio, subject.style.colour, 1.8, name="claimed σ"))
+    minutes, line = whole(subject.minutes, ratio)
+    marks.append(Line(minutes, line, subject.style.colour, 1.8, name="claimed σ"))
     marks += _points(subject, ratio, 4.0)
     if doubled is not None:
         marks.append(_doubled(subject, doubled))
@@ -205,10 +209,11 @@ def _error(subject: Subject, index: int, place: Rectangle) -> Panel:
     assert std is not None
     ratio = error / std
     inside = np.where(np.abs(ratio) > EDGE, np.nan, ratio)
+    minutes, line = whole(subject.minutes, np.clip(ratio, -EDGE, EDGE))
     marks: list[Mark] = [
         Level(-TWO_SIDED, "band/0.22", top=TWO_SIDED),
         Level(0.0, "muted/0.8"),
-        Line(subject.minutes, np.clip(ratio, -EDGE, EDGE), f"{subject.style.colour}/0.6", 1.2),
+        Line(minutes, line, f"{subject.style.colour}/0.6", 1.2),
         *_points(subject, inside, 4.5),
         *_beyond(subject, ratio),
     ]

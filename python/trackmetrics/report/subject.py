@@ -14,7 +14,8 @@ from trackmetrics.diagnostics import (
     State,
     TrackDiagnosis,
 )
-from trackmetrics.diagnostics.columns import Columns
+from trackmetrics.diagnostics.columns import Columns, incomplete
+from trackmetrics.diagnostics.timeline import Timeline
 from trackmetrics.report.marks import Floats, floats
 from trackmetrics.report.theme import TrackStyle, track_styles
 
@@ -89,8 +90,8 @@ class Subject:
         values = self.column(quantity)
         if values is None:
             return np.empty(0), np.empty(0)
-        own = self.column("nis_dof") if quantity == "nis" else None
-        dof = np.full(len(values), float(len(self.states) or np.nan)) if own is None else own
+        own = self.column(f"{quantity}_dof")
+        dof = np.full(len(values), np.nan) if own is None else own
         dof = np.where(np.isfinite(values), dof, np.nan)
         return values / dof, dof
 
@@ -117,6 +118,12 @@ class Subject:
                 if chosen.any():
                     yield kind or "update", symbol, hollow, chosen
 
+    def lacking(self) -> Any:
+        """Which updates lack a component of their measurement."""
+        if self.rows is None or self.rows.innovation is None:
+            return np.zeros(len(self.minutes), bool)
+        return incomplete(self.rows.innovation, self.rows.measurement_type)
+
     def _tentative(self) -> Any:
         assert self.rows is not None
         status = _words(self.rows.status, len(self.rows))
@@ -126,7 +133,7 @@ class Subject:
 def subjects(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[Subject]:
     """Every track of a diagnosis, the most severe first."""
     styles = track_styles(diagnosis)
-    clock = _clock(diagnosis, log)
+    clock = _clock(diagnosis)
     span = (0.0, max((clock.at(t.stop_time) for t in diagnosis.values()), default=1.0) or 1.0)
     symbols = _symbols(log)
     return [
@@ -143,11 +150,12 @@ def subjects(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[Subject]:
     ]
 
 
-def _clock(diagnosis: Diagnosis, log: EstimatorLog | None) -> Clock:
-    unit = "s" if log is None else log.time_unit
-    origin = min((t.start_time for t in diagnosis.values()), default=0.0)
+def _clock(diagnosis: Diagnosis) -> Clock:
+    timeline = next((t.timeline for t in diagnosis.values()), Timeline(0.0, "s"))
+    origin, unit = timeline.start, timeline.unit
+    moment = f", {timeline.moment}" if timeline.moment else ""
     if unit in _MINUTE:
-        return Clock(origin, _MINUTE[unit])
+        return Clock(origin, _MINUTE[unit], f"minutes since start{moment}")
     return Clock(origin, 1.0, f"time since start ({unit})")
 
 

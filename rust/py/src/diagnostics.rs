@@ -4,7 +4,7 @@ use crate::convert::{Floats, Integers};
 use crate::error::raise;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use trackmetrics_core::diagnostics::{attribution, best_split, inflation, segmentation};
+use trackmetrics_core::diagnostics::{attribution, best_split, cusum, inflation, segmentation};
 
 /// Gains and cuts.
 type Partitions<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<i64>>);
@@ -43,6 +43,24 @@ pub(crate) fn best_split_gains<'py>(
         .detach(|| best_split::best_split_gains(draws.values, dof.values, least))
         .map_err(raise)?;
     Ok(PyArray1::from_vec(py, gains))
+}
+
+/// The first alarm of each sequence and where its rise began `(k, 2)`; -1 where there is none.
+#[pyfunction]
+pub(crate) fn first_alarms<'py>(
+    py: Python<'py>,
+    values: Floats<'_, 1>,
+    dof: Floats<'_, 1>,
+    starts: Integers<'_>,
+    scale: f64,
+    chance: f64,
+) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    let alarms = py
+        .detach(|| cusum::first_alarms(values.values, dof.values, starts.values, scale, chance))
+        .map_err(raise)?;
+    let pair =
+        |alarm: &Option<(usize, usize)>| alarm.map_or([-1; 2], |(k, j)| [k as i64, j as i64]);
+    PyArray1::from_vec(py, alarms.iter().flat_map(pair).collect()).reshape([alarms.len(), 2])
 }
 
 /// The Shapley split of many squared errors over the states.
@@ -88,6 +106,7 @@ pub(crate) fn nees_inflation<'py>(
     transitions: Floats<'_, 3>,
     covariances: Floats<'_, 3>,
     starts: Integers<'_>,
+    known: Option<Integers<'_>>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let dimension = covariances.shape[1];
     let tau = py
@@ -97,6 +116,7 @@ pub(crate) fn nees_inflation<'py>(
                 covariances.values,
                 dimension,
                 starts.values,
+                known.as_ref().map(|known| known.values),
             )
         })
         .map_err(raise)?;

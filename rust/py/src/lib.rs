@@ -45,8 +45,8 @@ mod _native {
             credibility_interval, mean_statistic, nees, nees_sequence, nis, nis_sequence,
         },
         diagnostics::{
-            best_split_gains, nees_inflation, sampled_shapley_shares, scale_partitions,
-            shapley_shares,
+            best_split_gains, first_alarms, nees_inflation, sampled_shapley_shares,
+            scale_partitions, shapley_shares,
         },
         monte_carlo::{consistency_sums, histograms, run_sums},
         point_sets::{

@@ -50,28 +50,6 @@ fn series(z: f64) -> f64 {
     C.iter().rev().fold(0.0, |sum, c| (sum + c) * z)
 }
 
-/// The largest of `first[i] + second[i]` and the first place where it stands.
-#[inline(always)]
-pub(super) fn largest_sum(first: &[f64], second: &[f64]) -> (f64, usize) {
-    let count = first.len().min(second.len());
-    let (first, second) = (&first[..count], &second[..count]);
-    let mut lanes = [f64::NEG_INFINITY; 8];
-    let (heads, tails) = (first.chunks_exact(8), second.chunks_exact(8));
-    let rest = count - heads.remainder().len();
-    for (x, y) in heads.zip(tails) {
-        for l in 0..8 {
-            let sum = x[l] + y[l];
-            lanes[l] = if sum > lanes[l] { sum } else { lanes[l] };
-        }
-    }
-    let mut largest = lanes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    for i in rest..count {
-        largest = largest.max(first[i] + second[i]);
-    }
-    let place = first.iter().zip(second).position(|(x, y)| x + y >= largest).unwrap_or(0);
-    (largest, place)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,18 +62,5 @@ mod tests {
                 assert!((ln(x) - x.ln()).abs() <= 3e-16 * x.ln().abs().max(1e-3), "{x}");
             }
         }
-    }
-
-    #[test]
-    fn the_largest_sum_is_the_first_of_equals() {
-        for count in 1..40 {
-            let first: Vec<f64> = (0..count).map(|i| f64::from(i % 7)).collect();
-            let second = vec![0.5; count as usize];
-            assert_eq!(
-                largest_sum(&first, &second),
-                (f64::from((count - 1).min(6)) + 0.5, (count as usize - 1).min(6))
-            );
-        }
-        assert_eq!(largest_sum(&[], &[]).1, 0);
     }
 }

@@ -3,6 +3,8 @@
 
 pub mod attribution;
 pub mod best_split;
+pub mod cusum;
 pub mod inflation;
 mod likelihood;
+mod optimal;
 pub mod segmentation;

@@ -5,9 +5,9 @@
 //! likelihood, that is the sum over segments of -M ln(N / M) with N the sum of the c and M the sum
 //! of the m (see `likelihood`): the optimal partition by dynamic programming,
 //!
-//! best(s, b) = max over a of best(s - 1, a) - M(a, b) ln(N(a, b) / M(a, b)),
+//! best(s, b) = max over a of best(s - 1, a) - M(a, b) ln(N(a, b) / M(a, b))
 //!
-//! each segment of `least` values or more. Jackson et al. (2005), doi:10.1109/LSP.2001.838216. The
+//! (see `optimal`), each segment of `least` values or more. Jackson et al. (2005), doi:10.1109/LSP.2001.838216. The
 //! gain of a partition is what it has over one segment. How many segments there are is decided by
 //! who calls, since the number of segments costs a penalty that the caller draws.
 //!
@@ -15,10 +15,10 @@
 //! values cuts are first sought on a grid of `FINE` blocks and then moved to where they are best
 //! between the blocks on either side.
 
-use super::likelihood::{best, largest_sum};
+use super::likelihood::best;
+use super::optimal::{Optimal, Work};
 use crate::error::{Error, Result};
 use crate::{simd, threads};
-use pulp::{Simd, WithSimd};
 
 /// The largest number of blocks between which cuts are sought.
 pub const FINE: usize = 1024;
@@ -72,16 +72,6 @@ pub fn flatten(partitions: &[Partitions], most: usize) -> (Vec<f64>, Vec<i64>) {
 }
 
 fn check(values: &[f64], dof: &[f64], starts: &[i64], least: usize, most: usize) -> Result<()> {
-    if dof.len() != values.len() {
-        let (found, expected) = (dof.len(), values.len());
-        return Err(Error::Length {
-            argument: "dof",
-            found,
-            other: "values",
-            expected,
-            unit: "values",
-        });
-    }
     check_values(values, dof)?;
     check_starts("values", starts, values.len())?;
     for (argument, count) in [("least", least), ("most", most)] {
@@ -92,7 +82,18 @@ fn check(values: &[f64], dof: &[f64], starts: &[i64], least: usize, most: usize)
     Ok(())
 }
 
-fn check_values(values: &[f64], dof: &[f64]) -> Result<()> {
+/// Values are finite and not negative, and each has a positive number of degrees of freedom.
+pub(super) fn check_values(values: &[f64], dof: &[f64]) -> Result<()> {
+    if dof.len() != values.len() {
+        let (found, expected) = (dof.len(), values.len());
+        return Err(Error::Length {
+            argument: "dof",
+            found,
+            other: "values",
+            expected,
+            unit: "values",
+        });
+    }
     for (index, (&value, &m)) in values.iter().zip(dof).enumerate() {
         if !value.is_finite() {
             return Err(Error::NotFinite { argument: "values", index: vec![index], value });
@@ -117,18 +118,6 @@ pub(super) fn check_starts(argument: &'static str, starts: &[i64], count: usize)
         return Err(Error::Offsets { argument, points: count });
     }
     Ok(())
-}
-
-/// Buffers that sequences share.
-#[derive(Default)]
-struct Work {
-    sums: Vec<f64>,
-    dofs: Vec<f64>,
-    row: Vec<f64>,
-    /// best(s, b), row by row.
-    best: Vec<Vec<f64>>,
-    /// Where the last segment of best(s, b) begins.
-    from: Vec<Vec<usize>>,
 }
 
 fn partition(
@@ -191,84 +180,7 @@ fn sums(values: &[f64], dof: &[f64], from: usize, to: usize) -> (f64, f64) {
 }
 
 fn optimal(values: &[f64], dof: &[f64], least: usize, most: usize, work: &mut Work) -> Partitions {
-    let n = values.len();
-    work.reset(n, most);
-    simd::dispatch(Forward { values, dof, least, work });
-    let whole = work.best[0][n];
-    let feasible = |s: usize| n > 0 && n >= (s + 1) * least;
-    let gain = |s: usize| if s == 0 { 0.0 } else { work.best[s][n] - whole };
-    Partitions {
-        gains: (0..most)
-            .map(|s| if s == 0 || feasible(s) { gain(s) } else { f64::NEG_INFINITY })
-            .collect(),
-        cuts: (0..most).map(|s| if feasible(s) { work.cuts(s, n) } else { vec![] }).collect(),
-    }
-}
-
-impl Work {
-    fn reset(&mut self, n: usize, most: usize) {
-        self.best.resize_with(most, Vec::new);
-        self.from.resize_with(most, Vec::new);
-        for (best, from) in self.best.iter_mut().zip(&mut self.from) {
-            best.clear();
-            best.resize(n + 1, f64::NEG_INFINITY);
-            from.clear();
-            from.resize(n + 1, 0);
-        }
-        for row in [&mut self.sums, &mut self.dofs, &mut self.row] {
-            row.clear();
-            row.resize(n, 0.0);
-        }
-    }
-
-    /// Where the second and later of `s` + 1 segments begin.
-    fn cuts(&self, s: usize, n: usize) -> Vec<usize> {
-        let mut cuts = vec![0; s];
-        let mut end = n;
-        for level in (1..=s).rev() {
-            end = self.from[level][end];
-            cuts[level - 1] = end;
-        }
-        cuts
-    }
-}
-
-/// The forward pass of the dynamic programme.
-struct Forward<'a> {
-    values: &'a [f64],
-    dof: &'a [f64],
-    least: usize,
-    work: &'a mut Work,
-}
-
-impl WithSimd for Forward<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { values, dof, least, work } = self;
-        for end in 1..=values.len() {
-            // Sums are kept for every beginning and grow by one value, rather than differences of
-            // cumulative sums: after a huge value a difference has lost the small ones.
-            let (value, m) = (values[end - 1], dof[end - 1]);
-            work.sums[..end].iter_mut().for_each(|sum| *sum += value);
-            work.dofs[..end].iter_mut().for_each(|sum| *sum += m);
-            if end < least {
-                continue;
-            }
-            let begins = end - least + 1;
-            let (sums, dofs) = (&work.sums[..begins], &work.dofs[..begins]);
-            for ((row, sum), dof) in work.row[..begins].iter_mut().zip(sums).zip(dofs) {
-                *row = best(*sum, *dof);
-            }
-            work.best[0][end] = work.row[0];
-            for s in 1..work.best.len() {
-                let (largest, from) = largest_sum(&work.best[s - 1][..begins], &work.row[..begins]);
-                work.best[s][end] = largest;
-                work.from[s][end] = from;
-            }
-        }
-    }
+    simd::dispatch(Optimal { values, dof, least, most, work })
 }
 
 #[cfg(test)]
