@@ -9,9 +9,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::cell::RefCell;
 use trackmetrics_core::interrupt::Interrupt;
+use trackmetrics_core::point_sets::distances;
 use trackmetrics_core::point_sets::gospa::{self as gospa_kernel, Gospa};
 use trackmetrics_core::point_sets::ospa::{self as ospa_kernel, Workspace};
-use trackmetrics_core::point_sets::{distances, pairs::Pair, sets::Distances};
+use trackmetrics_core::point_sets::sets::{Distances, Pair};
 use trackmetrics_core::{Array as CoreArray, Points, Result};
 
 /// From this many coordinates on the work is worth letting go of the interpreter.

@@ -21,8 +21,8 @@
 
 use super::cutoff::Cutoff;
 use super::ospa::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, euclidean, frames_per_piece};
-use super::pairs::{self, Pair};
-use super::sets::{Distances, Euclidean, Sets};
+use super::pairs;
+use super::sets::{Distances, Euclidean, Pair, Sets};
 use crate::error::{Error, Result};
 use crate::interrupt::Interrupt;
 use crate::points::{Frames, Points};

@@ -6,8 +6,7 @@
 
 use super::cutoff::Cutoff;
 use super::near::{Near, check_memory};
-use super::pairs::Pair;
-use super::sets::Sets;
+use super::sets::{Pair, Sets};
 use crate::assignment::sparse::{self, Matching, NONE};
 use crate::error::Result;
 use crate::interrupt::Interrupt;

@@ -5,6 +5,7 @@ pub mod distances;
 mod extreme;
 pub mod gospa;
 mod large;
+mod lowest;
 mod matching;
 mod near;
 pub mod ospa;

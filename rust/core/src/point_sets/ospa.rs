@@ -19,8 +19,8 @@
 
 use super::cutoff::Cutoff;
 use super::large;
-use super::pairs::{self, Pair};
-use super::sets::{Distances, Euclidean, Sets};
+use super::pairs;
+use super::sets::{Distances, Euclidean, Pair, Sets};
 use super::{extreme, matching, tiny};
 use crate::assignment::dense;
 use crate::error::{Error, Result};
@@ -288,13 +288,10 @@ pub(super) fn least_total<S: Simd>(
     work: &mut matching::Workspace,
     interrupt: &Interrupt<'_>,
 ) -> Result<f64> {
-    let (m, n) = sets.sizes();
-    if n <= tiny::LARGEST {
+    if sets.sizes().1 <= tiny::LARGEST {
         return Ok(sets.tiny_total(cutoff));
     }
-    work.start(m, n);
-    sets.enter(simd, cutoff, work);
-    work.solve(simd, cutoff.most(), interrupt)
+    work.solve::<S, false>(simd, sets, cutoff, interrupt)
 }
 
 /// The three results from the least total cost of `m <= n` pairs.

@@ -9,15 +9,12 @@ use super::cutoff::Cutoff;
 use super::large;
 use super::near::check_memory;
 use super::ospa::Workspace;
-use super::sets::Sets;
+use super::sets::{Pair, Sets};
 use crate::assignment::bottleneck;
 use crate::assignment::dense::{self, Goal};
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use pulp::Simd;
-
-/// A row and a column.
-pub type Pair = (usize, usize);
 
 /// The pairs closer than the cutoff in the matching of least total, in the order of the rows, and
 /// the sum of their costs.
@@ -54,19 +51,14 @@ pub(super) fn least_total<S: Simd>(
     }
     let (most, matching, is_flipped) = (cutoff.most(), &mut work.matching, m > n);
     let wide = if is_flipped { sets.flipped() } else { sets };
-    matching.start(m.min(n), m.max(n));
-    wide.enter(simd, cutoff, matching);
-    matching.solve(simd, most, interrupt)?;
-    if !matching.is_unique(simd, most) {
+    matching.solve::<S, true>(simd, wide, cutoff, interrupt)?;
+    if !matching.is_unique(simd, wide, cutoff) {
         in_order(sets, cutoff, &mut work.exact, pairs, interrupt)?;
         return Ok(sum(sets, cutoff, pairs));
     }
-    let mut total = 0.0;
-    for (i, j, cost) in matching.pairs(most) {
-        total += cost;
-        pairs.push(if is_flipped { (j, i) } else { (i, j) });
-    }
+    let total = matching.list(most, pairs);
     if is_flipped {
+        pairs.iter_mut().for_each(|pair| *pair = (pair.1, pair.0));
         pairs.sort_unstable();
     }
     Ok(total)

@@ -1,0 +1,55 @@
+//! The least of many numbers, in lanes.
+
+use pulp::Simd;
+
+const LANES: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// The least of many numbers below a bound, and the first place where it stands.
+#[derive(Clone, Copy)]
+pub(super) struct Lowest<S: Simd> {
+    value: S::f64s,
+    /// Where each lane's least value stands.
+    place: S::f64s,
+    here: S::f64s,
+    step: S::f64s,
+}
+
+impl<S: Simd> Lowest<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, bound: f64) -> Self {
+        let first = S::as_simd_f64s(&LANES).0[0];
+        Self {
+            value: simd.splat_f64s(bound),
+            place: first,
+            here: first,
+            step: simd.splat_f64s(S::F64_LANES as f64),
+        }
+    }
+
+    /// Looks at the next vector of numbers.
+    #[inline(always)]
+    pub(super) fn take(&mut self, simd: S, values: S::f64s) {
+        let less = simd.less_than_f64s(values, self.value);
+        // Not a selection by `less`: from one vector to the next only this one is waited for.
+        self.value = simd.min_f64s(values, self.value);
+        self.place = simd.select_f64s(less, self.here, self.place);
+        self.here = simd.add_f64s(self.here, self.step);
+    }
+
+    /// The least value and the first place of it; the bound, and some place, where none is below.
+    #[inline(always)]
+    pub(super) fn finish(self, simd: S) -> (f64, usize) {
+        let least = simd.reduce_min_f64s(self.value);
+        let here = simd.equal_f64s(self.value, simd.splat_f64s(least));
+        let places = simd.select_f64s(here, self.place, simd.splat_f64s(f64::INFINITY));
+        (least, small_integer(simd.reduce_min_f64s(places)))
+    }
+}
+
+/// A whole number below 2^32 as one, without the questions that `as` asks: they take as long as a
+/// vector of costs.
+#[inline(always)]
+fn small_integer(value: f64) -> usize {
+    const LAST_PLACE_IS_ONE: f64 = 4_503_599_627_370_496.0;
+    (value + LAST_PLACE_IS_ONE).to_bits() as u32 as usize
+}
