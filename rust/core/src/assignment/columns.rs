@@ -5,12 +5,12 @@
 //! number comes from the same operations in the same order (and never from a fused one), so that
 //! its bits do not depend on the width.
 
+use crate::simd::{LANE, lower, raise};
 use pulp::Simd;
 use std::ops::{Deref, DerefMut};
 
 /// The widest vector unit's number of lanes: arrays are padded to a multiple of it.
 const LANES: usize = 8;
-const LANE: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// One number of each kind for each column.
 #[derive(Debug, Default)]
@@ -261,21 +261,11 @@ pub(super) fn lowest_rank<S: Simd>(simd: S, distance: f64, count: usize, columns
     simd.reduce_min_f64s(lowest)
 }
 
-/// Closes the column of this rank, among `columns` the one with this index.
-///
-/// Whole vectors are written, by a minimum and a maximum: the next pass loads them at once, and
-/// would have to wait for a store of one lane.
+/// Closes a column.
 #[inline(always)]
-pub(super) fn close<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Columns) {
-    let chunk = column / S::F64_LANES;
-    let infinity = simd.splat_f64s(f64::INFINITY);
-    let minus_infinity = simd.splat_f64s(f64::NEG_INFINITY);
-    let here = simd.equal_f64s(S::as_simd_f64s(&columns.rank).0[chunk], simd.splat_f64s(rank));
-    let dual = &mut S::as_mut_simd_f64s(&mut columns.dual).0[chunk];
-    // The second operand is what a NaN, where sums overflow, leaves as it is.
-    *dual = simd.min_f64s(simd.select_f64s(here, minus_infinity, infinity), *dual);
-    let distance = &mut S::as_mut_simd_f64s(&mut columns.distance).0[chunk];
-    *distance = simd.max_f64s(*distance, simd.select_f64s(here, infinity, minus_infinity));
+pub(super) fn close<S: Simd>(simd: S, column: usize, columns: &mut Columns) {
+    lower(simd, &mut columns.dual, column, f64::NEG_INFINITY);
+    raise(simd, &mut columns.distance, column, f64::INFINITY);
 }
 
 /// Gives a column another rank.
@@ -286,15 +276,4 @@ pub(super) fn rerank<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut C
     let here = simd.equal_f64s(*chunk, simd.splat_f64s(before));
     let change = simd.select_f64s(here, simd.splat_f64s(rank - before), simd.splat_f64s(0.0));
     *chunk = simd.add_f64s(*chunk, change);
-}
-
-/// Lowers the dual of a column, as a whole vector.
-#[inline(always)]
-pub(super) fn lower_dual<S: Simd>(simd: S, column: usize, dual: f64, columns: &mut Columns) {
-    let here = S::as_simd_f64s(&LANE).0[0];
-    let lane = simd.splat_f64s((column % S::F64_LANES) as f64);
-    let chunk = &mut S::as_mut_simd_f64s(&mut columns.dual).0[column / S::F64_LANES];
-    let infinity = simd.splat_f64s(f64::INFINITY);
-    let lower = simd.select_f64s(simd.equal_f64s(here, lane), simd.splat_f64s(dual), infinity);
-    *chunk = simd.min_f64s(lower, *chunk);
 }

@@ -132,7 +132,7 @@ impl Matching {
         self.remaining[place] = moved;
         let dual = self.columns.dual[column];
         self.reached.push(Reached { column, place, distance, dual });
-        close(simd, column, rank, &mut self.columns);
+        close(simd, column, &mut self.columns);
         let free = self.columns.rank[moved] < 0.0;
         rerank(simd, moved, if free { free_rank(place) } else { place as f64 }, &mut self.columns);
     }

@@ -1,8 +1,7 @@
 //! The least of many numbers, in lanes.
 
+use crate::simd::LANE;
 use pulp::Simd;
-
-const LANES: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// The least of many numbers below a bound, and the first place where it stands.
 #[derive(Clone, Copy)]
@@ -17,7 +16,7 @@ pub(super) struct Lowest<S: Simd> {
 impl<S: Simd> Lowest<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, bound: f64) -> Self {
-        let first = S::as_simd_f64s(&LANES).0[0];
+        let first = S::as_simd_f64s(&LANE).0[0];
         Self {
             value: simd.splat_f64s(bound),
             place: first,
@@ -36,13 +35,18 @@ impl<S: Simd> Lowest<S> {
         self.here = simd.add_f64s(self.here, self.step);
     }
 
-    /// The least value and the first place of it; the bound, and some place, where none is below.
+    /// The least value; the bound where none is below.
     #[inline(always)]
-    pub(super) fn finish(self, simd: S) -> (f64, usize) {
-        let least = simd.reduce_min_f64s(self.value);
+    pub(super) fn least(&self, simd: S) -> f64 {
+        simd.reduce_min_f64s(self.value)
+    }
+
+    /// The first place of the least value; some place, where none is below the bound.
+    #[inline(always)]
+    pub(super) fn place(&self, simd: S, least: f64) -> usize {
         let here = simd.equal_f64s(self.value, simd.splat_f64s(least));
         let places = simd.select_f64s(here, self.place, simd.splat_f64s(f64::INFINITY));
-        (least, small_integer(simd.reduce_min_f64s(places)))
+        small_integer(simd.reduce_min_f64s(places))
     }
 }
 

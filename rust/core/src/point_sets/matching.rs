@@ -20,6 +20,7 @@ use super::sets::{Pair, Sets};
 use crate::assignment::exchange::Graph;
 use crate::error::Result;
 use crate::interrupt::Interrupt;
+use crate::simd::{lower, raise};
 use pulp::Simd;
 use std::cmp::Ordering;
 
@@ -114,19 +115,18 @@ impl Workspace {
         }
     }
 
-    /// Gives every row in turn its cheapest column, where that is free. Returns the sum of the least
-    /// costs.
+    /// Gives every row in turn its cheapest column, where that is free.
     ///
     /// No branch: which rows are finished is as good as random, and a branch guessed wrong costs
     /// more than all of this. A row that stays alone takes the place after the last column, which
     /// is free again at once.
     #[inline(never)]
-    fn settle(&mut self, alone: f64) -> f64 {
+    fn settle(&mut self, alone: f64) {
         let (last, rows) = (self.stride, self.rows);
         let (owners, conflicts) = (&mut self.row_of_column[..=last], &mut self.conflicts[..rows]);
         let found = self.nearest.least[..rows].iter().zip(&self.nearest.column[..rows]);
         let outputs = self.column_of_row[..rows].iter_mut().zip(&mut self.cost_of_row[..rows]);
-        let (mut conflicting, mut total) = (0, 0.0);
+        let mut conflicting = 0;
         for (row, ((&least, &nearest), (partner, cost))) in found.zip(outputs).enumerate() {
             let is_alone = least >= alone;
             let column = if is_alone { last } else { (nearest as usize).min(last) };
@@ -136,15 +136,13 @@ impl Workspace {
             owners[last] = NONE;
             *partner = if is_alone { ALONE } else { nearest as u32 };
             *cost = if is_alone { alone } else { least };
-            total += *cost;
             conflicts[conflicting] = row as u32;
             conflicting += usize::from(!is_free);
         }
         self.conflicting = conflicting;
-        total
     }
 
-    /// The least total of the costs of `sets`, of which not more are rows than columns; `SECOND` where
+    /// Matches the rows of `sets`, not more than there are columns; `SECOND` where
     /// [`is_unique`](Self::is_unique) is asked next.
     #[inline(always)]
     pub(super) fn solve<S: Simd, const SECOND: bool>(
@@ -153,23 +151,21 @@ impl Workspace {
         sets: impl Sets,
         cutoff: &Cutoff,
         interrupt: &Interrupt<'_>,
-    ) -> Result<f64> {
-        let ((rows, columns), alone) = (sets.sizes(), cutoff.most());
+    ) -> Result<()> {
+        let (rows, columns) = sets.sizes();
         self.start(rows, columns);
         sets.find_nearest::<S, SECOND>(simd, cutoff, &mut self.nearest);
-        let total = self.settle(alone);
-        if self.conflicting == 0 {
-            return Ok(total);
+        self.settle(cutoff.most());
+        if self.conflicting > 0 {
+            self.resolve(simd, sets, cutoff, interrupt)?;
         }
-        self.resolve(simd, sets, cutoff, interrupt)?;
-        for &row in &self.written {
-            let row = row as usize;
-            self.cost_of_row[row] = match self.column_of_row[row] {
-                ALONE => alone,
-                column => self.costs[row * self.stride + column as usize],
-            };
-        }
-        Ok(self.cost_of_row[..self.rows].iter().sum())
+        Ok(())
+    }
+
+    /// The sum of what the rows cost, once solved.
+    #[inline(always)]
+    pub(super) fn total(&self) -> f64 {
+        self.cost_of_row[..self.rows].iter().sum()
     }
 
     /// Lists the rows that are matched at less than the price of staying alone, with their columns,
@@ -207,8 +203,15 @@ impl Workspace {
             }
             let row = self.conflicts[k] as usize;
             let (end, length) = self.search(simd, sets, row, cutoff);
-            self.update_duals(row, length);
+            self.update_duals(simd, row, length);
             self.augment(row, end);
+        }
+        for &row in &self.written {
+            let row = row as usize;
+            self.cost_of_row[row] = match self.column_of_row[row] {
+                ALONE => cutoff.most(),
+                column => self.costs[row * self.stride + column as usize],
+            };
         }
         Ok(())
     }
@@ -234,12 +237,14 @@ impl Workspace {
         self.write(simd, sets, row, cutoff);
         let alone = cutoff.most();
         let (mut shortest, mut leaver) = (alone - self.row_dual[row], row);
-        let (mut distance, mut j) = self.relax::<S, true>(simd, row, -self.row_dual[row]);
+        let mut lowest = self.relax::<S, true>(simd, row, -self.row_dual[row]);
         loop {
+            let distance = lowest.least(simd);
             // Written so that a NaN ends the search: costs that overflow are found by the caller.
             if !matches!(distance.partial_cmp(&shortest), Some(Ordering::Less)) {
                 return (End::Alone(leaver), shortest);
             }
+            let j = lowest.place(simd, distance);
             let i = self.row_of_column[j];
             if i == NONE {
                 return (End::Free(j), distance);
@@ -247,8 +252,8 @@ impl Workspace {
             let dual = self.column_dual[j];
             self.reached.push(Reached { column: j as u32, row: i, distance, dual });
             // Out of the search: no path to it is shorter, and it is never the nearest.
-            self.column_dual[j] = f64::NEG_INFINITY;
-            self.distance[j] = f64::INFINITY;
+            lower(simd, &mut self.column_dual, j, f64::NEG_INFINITY);
+            raise(simd, &mut self.distance, j, f64::INFINITY);
             let i = i as usize;
             self.write(simd, sets, i, cutoff);
             let offset = distance - self.row_dual[i];
@@ -257,19 +262,14 @@ impl Workspace {
             if leave < shortest {
                 (shortest, leaver) = (leave, i);
             }
-            (distance, j) = self.relax::<S, false>(simd, i, offset);
+            lowest = self.relax::<S, false>(simd, i, offset);
         }
     }
 
     /// Shortens the paths that lead through row `i`, the `FIRST` of the search or the row of the last
-    /// column reached, and finds the nearest column.
+    /// column reached, and looks for the nearest column.
     #[inline(always)]
-    fn relax<S: Simd, const FIRST: bool>(
-        &mut self,
-        simd: S,
-        i: usize,
-        offset: f64,
-    ) -> (f64, usize) {
+    fn relax<S: Simd, const FIRST: bool>(&mut self, simd: S, i: usize, offset: f64) -> Lowest<S> {
         let costs = S::as_simd_f64s(&self.costs[i * self.stride..(i + 1) * self.stride]).0;
         let duals = S::as_simd_f64s(&self.column_dual[..self.stride]).0;
         let distances = S::as_mut_simd_f64s(&mut self.distance[..self.stride]).0;
@@ -291,15 +291,15 @@ impl Workspace {
             (*distance, *via) = (shortest, last);
             lowest.take(simd, shortest);
         }
-        lowest.finish(simd)
+        lowest
     }
 
     #[inline(always)]
-    fn update_duals(&mut self, row: usize, length: f64) {
+    fn update_duals<S: Simd>(&mut self, simd: S, row: usize, length: f64) {
         self.row_dual[row] += length;
         for reached in &self.reached {
             let gain = length - reached.distance;
-            self.column_dual[reached.column as usize] = reached.dual - gain;
+            raise(simd, &mut self.column_dual, reached.column as usize, reached.dual - gain);
             self.row_dual[reached.row as usize] += gain;
         }
     }

@@ -291,7 +291,8 @@ pub(super) fn least_total<S: Simd>(
     if sets.sizes().1 <= tiny::LARGEST {
         return Ok(sets.tiny_total(cutoff));
     }
-    work.solve::<S, false>(simd, sets, cutoff, interrupt)
+    work.solve::<S, false>(simd, sets, cutoff, interrupt)?;
+    Ok(work.total())
 }
 
 /// The three results from the least total cost of `m <= n` pairs.

@@ -88,6 +88,8 @@ pub(crate) struct Nearest {
     pub(super) least: Vec<f64>,
     pub(super) column: Vec<u64>,
     pub(super) second: Vec<f64>,
+    /// The least by which the second least is dearer, of the rows with a column below the cutoff.
+    pub(super) gap: f64,
     rows: Axes,
     /// 0, 1, 2 and so on: a place is loaded sooner than it is counted.
     places: Vec<u64>,
@@ -117,16 +119,15 @@ impl Nearest {
         self.start(x.len());
         self.rows.lay_out(x);
         self.places.extend(self.places.len() as u64..y.len() as u64);
-        match x.dimension() {
+        let gap = match x.dimension() {
             1 => self.find_axes::<S, 1, SECOND>(simd, y, cutoff),
             2 => self.find_axes::<S, 2, SECOND>(simd, y, cutoff),
             3 => self.find_axes::<S, 3, SECOND>(simd, y, cutoff),
             4 => self.find_axes::<S, 4, SECOND>(simd, y, cutoff),
             _ => self.find_any::<S, SECOND>(simd, y, cutoff),
-        }
-        raise(simd, cutoff, &mut self.least);
+        };
         if SECOND {
-            raise(simd, cutoff, &mut self.second);
+            self.gap = simd.reduce_min_f64s(gap);
         }
     }
 
@@ -136,21 +137,29 @@ impl Nearest {
         simd: S,
         y: Points,
         cutoff: &Cutoff,
-    ) {
-        let (points, axes) = (y.coordinates().as_chunks::<D>().0, self.rows.vectors::<S, D>());
-        for b in 0..axes[0].len() {
-            let rows: [S::f64s; D] = std::array::from_fn(|k| axes[k][b]);
+    ) -> S::f64s {
+        let mut gap = simd.splat_f64s(f64::INFINITY);
+        let points = y.coordinates().as_chunks::<D>().0;
+        for b in 0..self.least.len() / S::F64_LANES {
+            let rows = self.rows.vectors::<S, D>().map(|axis| axis[b]);
             let mut lanes = Lanes::new(simd, cutoff);
             for (point, &place) in points.iter().zip(&self.places) {
                 let square = squared_distance(simd, point, |k| rows[k]);
                 lanes.take::<SECOND>(simd, square, place);
             }
-            lanes.store(b, &mut self.least, &mut self.column, &mut self.second);
+            gap = simd.min_f64s(gap, self.store::<S, SECOND>(simd, b, lanes, cutoff));
         }
+        gap
     }
 
     #[inline(always)]
-    fn find_any<S: Simd, const SECOND: bool>(&mut self, simd: S, y: Points, cutoff: &Cutoff) {
+    fn find_any<S: Simd, const SECOND: bool>(
+        &mut self,
+        simd: S,
+        y: Points,
+        cutoff: &Cutoff,
+    ) -> S::f64s {
+        let mut gap = simd.splat_f64s(f64::INFINITY);
         for b in 0..self.least.len() / S::F64_LANES {
             let mut lanes = Lanes::new(simd, cutoff);
             let points = y.coordinates().chunks_exact(y.dimension());
@@ -158,8 +167,30 @@ impl Nearest {
                 let axis = |k| S::as_simd_f64s(self.rows.axis(k)).0[b];
                 lanes.take::<SECOND>(simd, squared_distance(simd, point, axis), place);
             }
-            lanes.store(b, &mut self.least, &mut self.column, &mut self.second);
+            gap = simd.min_f64s(gap, self.store::<S, SECOND>(simd, b, lanes, cutoff));
         }
+        gap
+    }
+
+    /// Writes what was found of the rows in vector `b`; returns their gaps.
+    #[inline(always)]
+    fn store<S: Simd, const SECOND: bool>(
+        &mut self,
+        simd: S,
+        b: usize,
+        lanes: Lanes<S>,
+        cutoff: &Cutoff,
+    ) -> S::f64s {
+        let (least, far) = (raised(simd, cutoff, lanes.least), simd.splat_f64s(f64::INFINITY));
+        S::as_mut_simd_f64s(&mut self.least).0[b] = least;
+        S::as_mut_simd_u64s(&mut self.column).0[b] = lanes.column;
+        if !SECOND {
+            return far;
+        }
+        let second = raised(simd, cutoff, lanes.second);
+        S::as_mut_simd_f64s(&mut self.second).0[b] = second;
+        let is_near = simd.less_than_f64s(least, simd.splat_f64s(cutoff.most()));
+        simd.select_f64s(is_near, simd.sub_f64s(second, least), far)
     }
 }
 
@@ -191,14 +222,6 @@ impl<S: Simd> Lanes<S> {
         // Not a selection by `is_less`: from one column to the next only this one is waited for.
         self.least = simd.min_f64s(square, self.least);
     }
-
-    /// Writes the vector of this index.
-    #[inline(always)]
-    fn store(self, index: usize, least: &mut [f64], column: &mut [u64], second: &mut [f64]) {
-        S::as_mut_simd_f64s(least).0[index] = self.least;
-        S::as_mut_simd_u64s(column).0[index] = self.column;
-        S::as_mut_simd_f64s(second).0[index] = self.second;
-    }
 }
 
 /// The sum of the squares of the differences, in the order of the axes.
@@ -223,39 +246,44 @@ pub(super) fn write_costs<S: Simd>(
     row: &mut [f64],
 ) {
     match point.len() {
-        1 => write_squares::<S, 1>(simd, point, columns, row),
-        2 => write_squares::<S, 2>(simd, point, columns, row),
-        3 => write_squares::<S, 3>(simd, point, columns, row),
-        4 => write_squares::<S, 4>(simd, point, columns, row),
+        1 => write_axes::<S, 1>(simd, point, columns, cutoff, row),
+        2 => write_axes::<S, 2>(simd, point, columns, cutoff, row),
+        3 => write_axes::<S, 3>(simd, point, columns, cutoff, row),
+        4 => write_axes::<S, 4>(simd, point, columns, cutoff, row),
         _ => {
-            for (b, square) in S::as_mut_simd_f64s(row).0.iter_mut().enumerate() {
+            for (b, cost) in S::as_mut_simd_f64s(row).0.iter_mut().enumerate() {
                 let axis = |k| S::as_simd_f64s(columns.axis(k)).0[b];
-                *square = squared_distance(simd, point, axis);
+                *cost = raised(simd, cutoff, squared_distance(simd, point, axis));
             }
         }
     }
-    raise(simd, cutoff, row);
 }
 
 #[inline(always)]
-fn write_squares<S: Simd, const D: usize>(simd: S, point: &[f64], columns: &Axes, row: &mut [f64]) {
+fn write_axes<S: Simd, const D: usize>(
+    simd: S,
+    point: &[f64],
+    columns: &Axes,
+    cutoff: &Cutoff,
+    row: &mut [f64],
+) {
     let axes = columns.vectors::<S, D>();
-    for (b, square) in S::as_mut_simd_f64s(row).0.iter_mut().enumerate() {
-        *square = squared_distance(simd, &point[..D], |k| axes[k][b]);
+    for (b, cost) in S::as_mut_simd_f64s(row).0.iter_mut().enumerate() {
+        *cost = raised(simd, cutoff, squared_distance(simd, &point[..D], |k| axes[k][b]));
     }
 }
 
-/// Turns squared distances into costs.
+/// The costs of pairs at these squared distances.
 #[inline(always)]
-fn raise<S: Simd>(simd: S, cutoff: &Cutoff, squares: &mut [f64]) {
-    let (near, most) = (simd.splat_f64s(cutoff.square()), simd.splat_f64s(cutoff.most()));
+fn raised<S: Simd>(simd: S, cutoff: &Cutoff, squares: S::f64s) -> S::f64s {
     let power = cutoff.power();
     if !matches!(power, Power::One | Power::Two) {
-        squares.iter_mut().for_each(|square| *square = cutoff.cost_of_square(*square));
-        return;
+        let lanes = &mut [0.0; PADDING][..S::F64_LANES];
+        simd.partial_store_f64s(lanes, squares);
+        lanes.iter_mut().for_each(|square| *square = cutoff.cost_of_square(*square));
+        return simd.partial_load_f64s(lanes);
     }
-    for square in S::as_mut_simd_f64s(squares).0 {
-        let cost = if power == Power::One { simd.sqrt_f64s(*square) } else { *square };
-        *square = simd.select_f64s(simd.less_than_f64s(*square, near), cost, most);
-    }
+    let costs = if power == Power::One { simd.sqrt_f64s(squares) } else { squares };
+    let is_near = simd.less_than_f64s(squares, simd.splat_f64s(cutoff.square()));
+    simd.select_f64s(is_near, costs, simd.splat_f64s(cutoff.most()))
 }

@@ -210,6 +210,7 @@ impl Sets for Distances<'_> {
     ) {
         let (m, n) = self.sizes();
         nearest.start(m);
+        nearest.gap = f64::INFINITY;
         for i in 0..m {
             let (mut least, mut column, mut second) = (cutoff.c(), 0, cutoff.c());
             for (j, distance) in (0..n).map(|j| (j, self.distance(i, j))) {
@@ -219,9 +220,12 @@ impl Sets for Distances<'_> {
                     second = second.min(distance);
                 }
             }
-            nearest.least[i] = cutoff.cost(least);
-            nearest.column[i] = column as u64;
-            nearest.second[i] = cutoff.cost(second);
+            let (least, second) = (cutoff.cost(least), cutoff.cost(second));
+            (nearest.least[i], nearest.column[i], nearest.second[i]) =
+                (least, column as u64, second);
+            if least < cutoff.most() {
+                nearest.gap = nearest.gap.min(second - least);
+            }
         }
     }
 

@@ -18,7 +18,9 @@ impl Workspace {
         if self.conflicting == 0 {
             self.start_duals();
         }
-        if self.least_gap(simd, alone) <= TOLERANCE * alone {
+        // It says enough of a row that no search has passed: its dual is its least cost, and no dual
+        // of a column is positive.
+        if self.nearest.gap <= TOLERANCE * alone {
             self.write_close(simd, sets, cutoff);
         }
         if self.written.is_empty() {
@@ -33,30 +35,12 @@ impl Workspace {
         is_unique
     }
 
-    /// The least by which the second best of a row is dearer than its best.
-    ///
-    /// It says enough of a row that no search has passed: its dual is its least cost, and no dual of a
-    /// column is positive.
-    #[inline(always)]
-    fn least_gap<S: Simd>(&self, simd: S, alone: f64) -> f64 {
-        let (limit, far) = (simd.splat_f64s(alone), simd.splat_f64s(f64::INFINITY));
-        let least = S::as_simd_f64s(&self.nearest.least).0;
-        let second = S::as_simd_f64s(&self.nearest.second).0;
-        let mut lowest = far;
-        for (&least, &second) in least.iter().zip(second) {
-            let gap = simd.sub_f64s(simd.min_f64s(second, limit), least);
-            let is_near = simd.less_than_f64s(least, limit);
-            lowest = simd.min_f64s(lowest, simd.select_f64s(is_near, gap, far));
-        }
-        simd.reduce_min_f64s(lowest)
-    }
-
     /// Writes the rows whose second best is as good as their best.
     #[cold]
     fn write_close<S: Simd>(&mut self, simd: S, sets: impl Sets, cutoff: &Cutoff) {
         let alone = cutoff.most();
         for row in 0..self.rows {
-            let (least, second) = (self.nearest.least[row], self.nearest.second[row].min(alone));
+            let (least, second) = (self.nearest.least[row], self.nearest.second[row]);
             if least < alone && second - least <= TOLERANCE * alone {
                 self.write(simd, sets, row, cutoff);
             }
@@ -71,17 +55,17 @@ impl Workspace {
         let own = |row: u32| self.column_of_row[row as usize];
         edges.clear();
         for &row in self.written.iter().filter(|row| own(**row) != ALONE) {
-            if self.row_dual[row as usize] + tolerance >= alone {
+            if self.reach(row, alone) >= alone {
                 edges.push([row, outside]);
             }
-            if self.near_and_tight(simd, row as usize, alone) != 1.0 {
-                self.add_columns(row, alone, edges);
+            if self.count_columns(simd, row, alone) != 1.0 {
+                self.add_columns(simd, row, alone, edges);
             }
         }
         if edges.iter().any(|edge| edge[1] == outside) {
             for &row in &self.written {
                 if own(row) == ALONE {
-                    self.add_columns(row, alone, edges);
+                    self.add_columns(simd, row, alone, edges);
                     edges.push([outside, row]);
                 } else if self.column_dual[own(row) as usize] >= -tolerance {
                     edges.push([outside, row]);
@@ -92,30 +76,61 @@ impl Workspace {
 
     /// How many columns a row could have for nothing, its own among them.
     #[inline(always)]
-    fn near_and_tight<S: Simd>(&self, simd: S, row: usize, alone: f64) -> f64 {
-        let costs = S::as_simd_f64s(&self.costs[row * self.stride..(row + 1) * self.stride]).0;
-        let duals = S::as_simd_f64s(&self.column_dual[..self.stride]).0;
-        let limit = simd.splat_f64s(alone);
-        let reach = simd.splat_f64s(self.row_dual[row] + TOLERANCE * alone);
+    fn count_columns<S: Simd>(&self, simd: S, row: u32, alone: f64) -> f64 {
         let (none, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let mut count = none;
-        for (&cost, &dual) in costs.iter().zip(duals) {
-            let is_tight = simd.less_than_or_equal_f64s(simd.sub_f64s(cost, dual), reach);
-            let both = simd.and_m64s(is_tight, simd.less_than_f64s(cost, limit));
-            count = simd.add_f64s(count, simd.select_f64s(both, one, none));
+        for is_edge in self.columns_for_nothing(simd, row, alone) {
+            count = simd.add_f64s(count, simd.select_f64s(is_edge, one, none));
         }
         simd.reduce_sum_f64s(count)
     }
 
-    fn add_columns(&self, row: u32, alone: f64, edges: &mut Vec<[u32; 2]>) {
-        let (first, own) = (row as usize * self.stride, self.column_of_row[row as usize]);
-        let reach = self.row_dual[row as usize] + TOLERANCE * alone;
-        let costs = self.costs[first..first + self.stride].iter().zip(&self.column_dual);
-        for (j, (&cost, &dual)) in costs.enumerate() {
-            if j as u32 != own && cost < alone && cost - dual <= reach {
-                let owner = self.row_of_column[j];
-                edges.push([row, if owner == NONE { self.rows as u32 } else { owner }]);
+    #[inline(always)]
+    fn add_columns<S: Simd>(&self, simd: S, row: u32, alone: f64, edges: &mut Vec<[u32; 2]>) {
+        let costs = &self.costs[row as usize * self.stride..][..self.stride];
+        let (own, reach) = (self.column_of_row[row as usize], self.reach(row, alone));
+        for (k, is_edge) in self.columns_for_nothing(simd, row, alone).enumerate() {
+            if simd.first_true_m64s(is_edge) == S::F64_LANES {
+                continue;
             }
+            let mut count = edges.len();
+            edges.resize(count + S::F64_LANES, [row, 0]);
+            // No branch: which columns these are is as good as random.
+            for j in k * S::F64_LANES..(k + 1) * S::F64_LANES {
+                let owner = self.row_of_column[j];
+                edges[count][1] = if owner == NONE { self.rows as u32 } else { owner };
+                let is_tight = (costs[j] < alone) & (costs[j] - self.column_dual[j] <= reach);
+                count += usize::from(is_tight & (j as u32 != own));
+            }
+            edges.truncate(count);
         }
+    }
+
+    /// Whether a row could have each column for nothing, vector by vector.
+    #[inline(always)]
+    fn columns_for_nothing<S: Simd>(
+        &self,
+        simd: S,
+        row: u32,
+        alone: f64,
+    ) -> impl Iterator<Item = S::m64s> {
+        let costs = &self.costs[row as usize * self.stride..][..self.stride];
+        let costs = S::as_simd_f64s(costs).0.iter();
+        let duals = S::as_simd_f64s(&self.column_dual[..self.stride]).0;
+        let limit = simd.splat_f64s(alone);
+        let reach = simd.splat_f64s(self.reach(row, alone));
+        costs.zip(duals).map(
+            #[inline(always)]
+            move |(&cost, &dual)| {
+                let is_tight = simd.less_than_or_equal_f64s(simd.sub_f64s(cost, dual), reach);
+                simd.and_m64s(is_tight, simd.less_than_f64s(cost, limit))
+            },
+        )
+    }
+
+    /// What a row may cost to count as costing no more than it does, as its dual says.
+    #[inline(always)]
+    fn reach(&self, row: u32, alone: f64) -> f64 {
+        self.row_dual[row as usize] + TOLERANCE * alone
     }
 }
