@@ -187,7 +187,7 @@ impl Workspace {
             // A row with one column only can pay any price.
             let dearer = if second < f64::INFINITY { second - lowest } else { problem.largest };
             let dual = self.columns.dual[j] - (dearer + epsilon);
-            lower(simd, &mut self.columns.dual, j, dual);
+            lower(simd, S::as_mut_simd_f64s(&mut self.columns.dual).0, j, dual);
             let owner = std::mem::replace(&mut self.row_of_column[j], i);
             if owner != NONE {
                 self.free.push(owner);

@@ -108,7 +108,7 @@ fn reduce_rows<S: Simd>(
                 break;
             }
             if dearer {
-                lower(simd, &mut matching.columns.dual, j, dual);
+                lower(simd, S::as_mut_simd_f64s(&mut matching.columns.dual).0, j, dual);
             }
             matching.set(i, j);
             if owner == NONE {

@@ -6,7 +6,8 @@
 
 use super::cutoff::Cutoff;
 use super::near::{Near, check_memory};
-use super::sets::{Pair, Sets};
+use super::results::Pair;
+use super::sets::Sets;
 use crate::assignment::sparse::{self, Matching, NONE};
 use crate::error::Result;
 use crate::interrupt::Interrupt;

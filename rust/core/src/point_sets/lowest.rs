@@ -1,6 +1,6 @@
 //! The least of many numbers, in lanes.
 
-use crate::simd::LANE;
+use crate::simd::{LANE, small_integer};
 use pulp::Simd;
 
 /// The least of many numbers below a bound, and the first place where it stands.
@@ -48,12 +48,4 @@ impl<S: Simd> Lowest<S> {
         let places = simd.select_f64s(here, self.place, simd.splat_f64s(f64::INFINITY));
         small_integer(simd.reduce_min_f64s(places))
     }
-}
-
-/// A whole number below 2^32 as one, without the questions that `as` asks: they take as long as a
-/// vector of costs.
-#[inline(always)]
-fn small_integer(value: f64) -> usize {
-    const LAST_PLACE_IS_ONE: f64 = 4_503_599_627_370_496.0;
-    (value + LAST_PLACE_IS_ONE).to_bits() as u32 as usize
 }

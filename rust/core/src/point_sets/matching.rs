@@ -15,8 +15,9 @@
 
 use super::cutoff::Cutoff;
 use super::lowest::Lowest;
+use super::results::Pair;
 use super::rows::{Axes, Nearest, PADDING};
-use super::sets::{Pair, Sets};
+use super::sets::Sets;
 use crate::assignment::exchange::Graph;
 use crate::error::Result;
 use crate::interrupt::Interrupt;
@@ -252,8 +253,8 @@ impl Workspace {
             let dual = self.column_dual[j];
             self.reached.push(Reached { column: j as u32, row: i, distance, dual });
             // Out of the search: no path to it is shorter, and it is never the nearest.
-            lower(simd, &mut self.column_dual, j, f64::NEG_INFINITY);
-            raise(simd, &mut self.distance, j, f64::INFINITY);
+            lower(simd, S::as_mut_simd_f64s(&mut self.column_dual).0, j, f64::NEG_INFINITY);
+            raise(simd, S::as_mut_simd_f64s(&mut self.distance).0, j, f64::INFINITY);
             let i = i as usize;
             self.write(simd, sets, i, cutoff);
             let offset = distance - self.row_dual[i];
@@ -299,7 +300,8 @@ impl Workspace {
         self.row_dual[row] += length;
         for reached in &self.reached {
             let gain = length - reached.distance;
-            raise(simd, &mut self.column_dual, reached.column as usize, reached.dual - gain);
+            let duals = S::as_mut_simd_f64s(&mut self.column_dual).0;
+            raise(simd, duals, reached.column as usize, reached.dual - gain);
             self.row_dual[reached.row as usize] += gain;
         }
     }

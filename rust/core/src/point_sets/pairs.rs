@@ -6,10 +6,11 @@
 //! users and is the same on every machine. The fast matching is used where it is the only one.
 
 use super::cutoff::Cutoff;
+use super::frames::Workspace;
 use super::large;
 use super::near::check_memory;
-use super::ospa::Workspace;
-use super::sets::{Pair, Sets};
+use super::results::Pair;
+use super::sets::Sets;
 use crate::assignment::bottleneck;
 use crate::assignment::dense::{self, Goal};
 use crate::error::Result;

@@ -1,15 +1,13 @@
 //! Two sets of which only distances count: points, or a ready matrix.
 
 use super::cutoff::Cutoff;
+use super::distances::check_dimensions;
 use super::near::{LARGEST_DIMENSION, Near};
 use super::rows::{Axes, Nearest, write_costs};
 use super::tiny;
 use crate::error::{Error, Result};
 use crate::points::Points;
 use pulp::Simd;
-
-/// A row and a column.
-pub type Pair = (usize, usize);
 
 /// Two sets, the rows and the columns of a matrix of distances.
 pub(crate) trait Sets: Copy {
@@ -74,6 +72,15 @@ pub(crate) trait Sets: Copy {
 pub(crate) struct Euclidean<'a> {
     pub(crate) x: Points<'a>,
     pub(crate) y: Points<'a>,
+}
+
+impl<'a> Euclidean<'a> {
+    /// # Errors
+    /// [`Error::Dimension`] for points of different dimensions.
+    pub(super) fn new(x: Points<'a>, y: Points<'a>) -> Result<Self> {
+        check_dimensions(x, y)?;
+        Ok(Self { x, y })
+    }
 }
 
 impl Sets for Euclidean<'_> {

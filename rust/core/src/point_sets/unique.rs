@@ -95,11 +95,13 @@ impl Workspace {
             }
             let mut count = edges.len();
             edges.resize(count + S::F64_LANES, [row, 0]);
+            let lanes = k * S::F64_LANES..(k + 1) * S::F64_LANES;
+            let costs = costs[lanes.clone()].iter().zip(&self.column_dual[lanes.clone()]);
+            let columns = lanes.clone().zip(&self.row_of_column[lanes]);
             // No branch: which columns these are is as good as random.
-            for j in k * S::F64_LANES..(k + 1) * S::F64_LANES {
-                let owner = self.row_of_column[j];
+            for ((j, &owner), (&cost, &dual)) in columns.zip(costs) {
                 edges[count][1] = if owner == NONE { self.rows as u32 } else { owner };
-                let is_tight = (costs[j] < alone) & (costs[j] - self.column_dual[j] <= reach);
+                let is_tight = (cost < alone) & (cost - dual <= reach);
                 count += usize::from(is_tight & (j as u32 != own));
             }
             edges.truncate(count);
