@@ -11,6 +11,8 @@ use crate::threads;
 pub struct Points<'a> {
     coordinates: &'a [f64],
     dimension: usize,
+    /// Kept, since a division takes as long as some distances.
+    len: usize,
 }
 
 impl<'a> Points<'a> {
@@ -20,7 +22,10 @@ impl<'a> Points<'a> {
     /// [`Error::NotFinite`] names the first point with a coordinate that is NaN or infinite.
     pub fn new(argument: &'static str, coordinates: &'a [f64], dimension: usize) -> Result<Self> {
         match first_not_finite(coordinates) {
-            None => Ok(Self { coordinates, dimension }),
+            None => {
+                let len = coordinates.len().checked_div(dimension).unwrap_or(0);
+                Ok(Self { coordinates, dimension, len })
+            }
             Some(at) => Err(Error::NotFinite {
                 argument,
                 index: vec![at / dimension.max(1)],
@@ -32,7 +37,7 @@ impl<'a> Points<'a> {
     /// How many points.
     #[inline]
     pub fn len(&self) -> usize {
-        self.coordinates.len().checked_div(self.dimension).unwrap_or(0)
+        self.len
     }
 
     /// Whether there is no point.
@@ -145,6 +150,7 @@ impl<'a> Frames<'a> {
         Points {
             coordinates: &self.coordinates[from * self.dimension..to * self.dimension],
             dimension: self.dimension,
+            len: to - from,
         }
     }
 }

@@ -51,6 +51,45 @@ pub fn dispatch<Op: WithSimd>(operation: Op) -> Op::Output {
     operation.with_simd(pulp::Scalar::new())
 }
 
+/// The numbers of the lanes.
+pub(crate) const LANE: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// Lowers one of many numbers.
+///
+/// A whole vector is written, by a minimum: what loads it next would have to wait for a store of one
+/// lane, and into that a compiler would turn a selection.
+#[inline(always)]
+pub(crate) fn lower<S: Simd>(simd: S, values: &mut [S::f64s], index: usize, to: f64) {
+    let lane = lane(simd, index, to, f64::INFINITY);
+    let vector = &mut values[index / S::F64_LANES];
+    // The second operand is what a NaN leaves as it is.
+    *vector = simd.min_f64s(lane, *vector);
+}
+
+/// Raises one of many numbers; see [`lower`].
+#[inline(always)]
+pub(crate) fn raise<S: Simd>(simd: S, values: &mut [S::f64s], index: usize, to: f64) {
+    let lane = lane(simd, index, to, f64::NEG_INFINITY);
+    let vector = &mut values[index / S::F64_LANES];
+    *vector = simd.max_f64s(lane, *vector);
+}
+
+/// A whole number below 2^32 as one, without the questions that `as` asks: they take as long as a
+/// pass over some vectors.
+#[inline(always)]
+pub(crate) fn small_integer(value: f64) -> usize {
+    const LAST_PLACE_IS_ONE: f64 = 4_503_599_627_370_496.0;
+    (value + LAST_PLACE_IS_ONE).to_bits() as u32 as usize
+}
+
+/// A vector of one number in the lane of this index, and another in all others.
+#[inline(always)]
+fn lane<S: Simd>(simd: S, index: usize, value: f64, others: f64) -> S::f64s {
+    let wanted = simd.splat_f64s((index % S::F64_LANES) as f64);
+    let here = simd.equal_f64s(S::as_simd_f64s(&LANE).0[0], wanted);
+    simd.select_f64s(here, simd.splat_f64s(value), simd.splat_f64s(others))
+}
+
 /// What [`dispatch`] runs on at the moment, by name.
 pub fn width() -> &'static str {
     struct Name;

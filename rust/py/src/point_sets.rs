@@ -9,10 +9,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::cell::RefCell;
 use trackmetrics_core::interrupt::Interrupt;
-use trackmetrics_core::point_sets::gospa::{self as gospa_kernel, Gospa};
-use trackmetrics_core::point_sets::ospa::{self as ospa_kernel, Workspace};
-use trackmetrics_core::point_sets::{distances, pairs::Pair, sets::Distances};
-use trackmetrics_core::{Array as CoreArray, Points, Result};
+use trackmetrics_core::point_sets::frames::Workspace;
+use trackmetrics_core::point_sets::results::{Gospa, Pair};
+use trackmetrics_core::point_sets::sets::Distances;
+use trackmetrics_core::point_sets::{distances, gospa as gospa_kernel, ospa as ospa_kernel};
+use trackmetrics_core::{Array as CoreArray, Frames, Points, Result};
 
 /// From this many coordinates on the work is worth letting go of the interpreter.
 const WORTH_DETACHING: usize = 400;
@@ -50,8 +51,45 @@ fn run<T: Send>(
     })
 }
 
-fn smaller(x: &PointSet, y: &PointSet) -> usize {
-    x.size().min(y.size())
+/// Runs a kernel of two sets.
+#[inline]
+fn of_sets<T: Send>(
+    py: Python<'_>,
+    x: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    kernel: impl FnOnce(Points, Points, &mut Workspace, &Interrupt<'_>) -> Result<T> + Send,
+) -> PyResult<T> {
+    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
+    run(py, x.size().min(y.size()), |work, interrupt| {
+        kernel(x.points("X")?, y.points("Y")?, work, interrupt)
+    })
+}
+
+/// Runs a kernel of two sequences of sets, which writes one result for each time step.
+fn of_sequences<T: Clone + Default + Send>(
+    py: Python<'_>,
+    x: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    kernel: impl FnOnce(Frames, Frames, &mut [T], &Interrupt<'_>) -> Result<()> + Send,
+) -> PyResult<Vec<T>> {
+    let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
+    run(py, x.size().min(y.size()), |_, interrupt| {
+        let (x, y) = (x.frames("X_sequence")?, y.frames("Y_sequence")?);
+        let mut output = vec![T::default(); x.len()];
+        kernel(x, y, &mut output, interrupt).map(|()| output)
+    })
+}
+
+/// Runs a kernel of two sets whose distances are given.
+fn of_distances<T: Send>(
+    py: Python<'_>,
+    distances: &Floats<'_, 2>,
+    kernel: impl FnOnce(Distances, &mut Workspace, &Interrupt<'_>) -> Result<T> + Send,
+) -> PyResult<T> {
+    let Floats { values, shape: [rows, columns] } = *distances;
+    run(py, values.len(), |work, interrupt| {
+        kernel(Distances::new("distances", values, rows, columns)?, work, interrupt)
+    })
 }
 
 /// OSPA of one frame.
@@ -63,10 +101,8 @@ pub(crate) fn ospa<'py>(
     c: f64,
     p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
-    let result = run(py, smaller(&x, &y), |work, interrupt| {
-        ospa_kernel::ospa(x.points("X")?, y.points("Y")?, c, p, work, interrupt)
-    })?;
+    let result =
+        of_sets(py, x, y, |x, y, work, interrupt| ospa_kernel::ospa(x, y, c, p, work, interrupt))?;
     ospa_result(py, result)
 }
 
@@ -79,12 +115,8 @@ pub(crate) fn ospa_over_time<'py>(
     c: f64,
     p: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
-    let output = run(py, x.size().min(y.size()), |_, interrupt| {
-        let (x, y) = (x.frames("X_sequence")?, y.frames("Y_sequence")?);
-        let mut output = vec![0.0; x.len()];
-        ospa_kernel::ospa_over_time(x, y, c, p, &mut output, interrupt)?;
-        Ok(output)
+    let output = of_sequences(py, x, y, |x, y, output, interrupt| {
+        ospa_kernel::ospa_over_time(x, y, c, p, output, interrupt)
     })?;
     Ok(PyArray1::from_vec(py, output))
 }
@@ -97,8 +129,8 @@ pub(crate) fn ospa_from_distances<'py>(
     c: f64,
     p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let result = run(py, distances.values.len(), |work, interrupt| {
-        ospa_kernel::ospa_from_distances(given(&distances)?, c, p, work, interrupt)
+    let result = of_distances(py, &distances, |distances, work, interrupt| {
+        ospa_kernel::ospa_from_distances(distances, c, p, work, interrupt)
     })?;
     ospa_result(py, result)
 }
@@ -112,9 +144,8 @@ pub(crate) fn ospa_assignment<'py>(
     c: f64,
     p: f64,
 ) -> PyResult<Pairs<'py>> {
-    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
-    let pairs = run(py, smaller(&x, &y), |work, interrupt| {
-        ospa_kernel::ospa_assignment(x.points("X")?, y.points("Y")?, c, p, work, interrupt)
+    let pairs = of_sets(py, x, y, |x, y, work, interrupt| {
+        ospa_kernel::ospa_assignment(x, y, c, p, work, interrupt)
     })?;
     indices(py, &pairs)
 }
@@ -129,11 +160,9 @@ pub(crate) fn gospa<'py>(
     p: f64,
     alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
-    let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
-    let (result, pairs) = run(py, smaller(&x, &y), |work, interrupt| {
-        let (x, y, mut pairs) = (x.points("X")?, y.points("Y")?, Vec::new());
+    let mut pairs = Vec::new();
+    let result = of_sets(py, x, y, |x, y, work, interrupt| {
         gospa_kernel::gospa(x, y, (c, p, alpha), work, &mut pairs, interrupt)
-            .map(|result| (result, pairs))
     })?;
     Ok((fields(&result), indices(py, &pairs)?))
 }
@@ -147,10 +176,9 @@ pub(crate) fn gospa_from_distances<'py>(
     p: f64,
     alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
-    let (result, pairs) = run(py, distances.values.len(), |work, interrupt| {
-        let (sets, mut pairs) = (given(&distances)?, Vec::new());
-        gospa_kernel::gospa_from_distances(sets, (c, p, alpha), work, &mut pairs, interrupt)
-            .map(|result| (result, pairs))
+    let mut pairs = Vec::new();
+    let result = of_distances(py, &distances, |distances, work, interrupt| {
+        gospa_kernel::gospa_from_distances(distances, (c, p, alpha), work, &mut pairs, interrupt)
     })?;
     Ok((fields(&result), indices(py, &pairs)?))
 }
@@ -165,12 +193,8 @@ pub(crate) fn gospa_over_time<'py>(
     p: f64,
     alpha: f64,
 ) -> PyResult<Columns<'py>> {
-    let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
-    let output = run(py, x.size().min(y.size()), |_, interrupt| {
-        let (x, y) = (x.frames("X_sequence")?, y.frames("Y_sequence")?);
-        let mut output = vec![Gospa::default(); x.len()];
-        gospa_kernel::gospa_over_time(x, y, (c, p, alpha), &mut output, interrupt)?;
-        Ok(output)
+    let output = of_sequences(py, x, y, |x, y, output, interrupt| {
+        gospa_kernel::gospa_over_time(x, y, (c, p, alpha), output, interrupt)
     })?;
     let parts: [fn(&Gospa) -> f64; 4] =
         [|g| g.distance, |g| g.localization, |g| g.missed, |g| g.false_alarms];
@@ -220,11 +244,6 @@ fn matrix<'py>(
     y: Points,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     PyArray1::from_vec(py, distances.map_err(raise)?).reshape([x.len(), y.len()])
-}
-
-fn given<'a>(distances: &Floats<'a, 2>) -> Result<Distances<'a>> {
-    let [rows, columns] = distances.shape;
-    Distances::new("distances", distances.values, rows, columns)
 }
 
 fn indices<'py>(py: Python<'py>, pairs: &[Pair]) -> PyResult<Pairs<'py>> {

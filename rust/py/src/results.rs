@@ -4,7 +4,7 @@ use crate::lists::named_tuple;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
-use trackmetrics_core::point_sets::ospa::Ospa;
+use trackmetrics_core::point_sets::results::Ospa;
 
 /// An `OSPAResult`.
 pub(crate) fn ospa_result(py: Python<'_>, ospa: Ospa) -> PyResult<Bound<'_, PyAny>> {

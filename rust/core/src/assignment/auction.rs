@@ -18,11 +18,11 @@
 //! Cost: O(n^2 m log(n C / epsilon)) for costs of at most C.
 
 use super::bottleneck;
-use super::columns::{Columns, lower_dual, two_lowest};
+use super::columns::{Columns, two_lowest};
 use super::dense::{Goal, PATIENCE, check_costs, turn};
 use crate::error::{Error, Result};
 use crate::interrupt::Interrupt;
-use crate::simd::dispatch;
+use crate::simd::{dispatch, lower};
 use pulp::{Simd, WithSimd};
 
 const NONE: usize = usize::MAX;
@@ -187,7 +187,7 @@ impl Workspace {
             // A row with one column only can pay any price.
             let dearer = if second < f64::INFINITY { second - lowest } else { problem.largest };
             let dual = self.columns.dual[j] - (dearer + epsilon);
-            lower_dual(simd, j, dual, &mut self.columns);
+            lower(simd, S::as_mut_simd_f64s(&mut self.columns.dual).0, j, dual);
             let owner = std::mem::replace(&mut self.row_of_column[j], i);
             if owner != NONE {
                 self.free.push(owner);

@@ -5,12 +5,12 @@
 //! number comes from the same operations in the same order (and never from a fused one), so that
 //! its bits do not depend on the width.
 
+use crate::simd::{LANE, lower, raise};
 use pulp::Simd;
 use std::ops::{Deref, DerefMut};
 
 /// The widest vector unit's number of lanes: arrays are padded to a multiple of it.
 const LANES: usize = 8;
-const LANE: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// One number of each kind for each column.
 #[derive(Debug, Default)]
@@ -36,6 +36,25 @@ impl Columns {
         duals.fill(0.0);
         padding.fill(f64::NEG_INFINITY);
     }
+
+    /// All of them as vectors.
+    #[inline(always)]
+    pub fn vectors<S: Simd>(&mut self) -> Vectors<'_, S> {
+        Vectors {
+            dual: S::as_mut_simd_f64s(&mut self.dual).0,
+            distance: S::as_mut_simd_f64s(&mut self.distance).0,
+            via: S::as_mut_simd_f64s(&mut self.via).0,
+            rank: S::as_mut_simd_f64s(&mut self.rank).0,
+        }
+    }
+}
+
+/// The same for the time of a search.
+pub(super) struct Vectors<'a, S: Simd> {
+    dual: &'a mut [S::f64s],
+    distance: &'a mut [S::f64s],
+    via: &'a mut [S::f64s],
+    rank: &'a mut [S::f64s],
 }
 
 /// Numbers of which the first stands at the beginning of a cache line, so that no vector of them
@@ -121,13 +140,27 @@ impl Step for Largest {
     }
 }
 
+impl<S: Simd> Vectors<'_, S> {
+    /// The dual of a column.
+    #[inline(always)]
+    pub fn dual(&self, column: usize) -> f64 {
+        pulp::bytemuck::cast_slice::<S::f64s, f64>(self.dual)[column]
+    }
+
+    /// The rank of a column.
+    #[inline(always)]
+    pub fn rank(&self, column: usize) -> f64 {
+        pulp::bytemuck::cast_slice::<S::f64s, f64>(self.rank)[column]
+    }
+}
+
 /// Finds the paths that consist of one step, and the least distance of a column.
 #[inline(always)]
 pub(super) fn begin<S: Simd>(
     simd: S,
     costs: &[f64],
     step: impl Step,
-    columns: &mut Columns,
+    columns: &mut Vectors<'_, S>,
 ) -> f64 {
     let (infinity, none) = (simd.splat_f64s(f64::INFINITY), simd.splat_f64s(0.0));
     pass(
@@ -154,7 +187,7 @@ pub(super) fn relax<S: Simd>(
     costs: &[f64],
     step: impl Step,
     reached: usize,
-    columns: &mut Columns,
+    columns: &mut Vectors<'_, S>,
 ) -> f64 {
     let (reached, none) = (simd.splat_f64s(reached as f64), simd.splat_f64s(0.0));
     pass(
@@ -179,12 +212,11 @@ pub(super) fn relax<S: Simd>(
 fn pass<S: Simd>(
     simd: S,
     costs: &[f64],
-    columns: &mut Columns,
+    columns: &mut Vectors<'_, S>,
     mut each: impl FnMut(S::f64s, S::f64s, &mut S::f64s, &mut S::f64s) -> S::f64s,
 ) -> f64 {
-    let (duals, _) = S::as_simd_f64s(&columns.dual);
-    let (distances, _) = S::as_mut_simd_f64s(&mut columns.distance);
-    let (via, _) = S::as_mut_simd_f64s(&mut columns.via);
+    let Vectors { dual: duals, distance: distances, via, .. } = columns;
+    let (distances, via) = (&mut distances[..duals.len()], &mut via[..duals.len()]);
     let mut lowest = simd.splat_f64s(f64::INFINITY);
     each_vector(
         simd,
@@ -248,53 +280,29 @@ pub(super) fn two_lowest<S: Simd>(simd: S, costs: &[f64], columns: &Columns) -> 
 
 /// The lowest rank of the columns at this distance.
 #[inline(always)]
-pub(super) fn lowest_rank<S: Simd>(simd: S, distance: f64, count: usize, columns: &Columns) -> f64 {
-    let (distances, _) = S::as_simd_f64s(&columns.distance);
-    let (ranks, _) = S::as_simd_f64s(&columns.rank);
-    let chunks = count.div_ceil(S::F64_LANES);
+pub(super) fn lowest_rank<S: Simd>(simd: S, distance: f64, columns: &Vectors<'_, S>) -> f64 {
     let (wanted, infinity) = (simd.splat_f64s(distance), simd.splat_f64s(f64::INFINITY));
     let mut lowest = infinity;
-    for (&distance, &rank) in distances[..chunks].iter().zip(&ranks[..chunks]) {
+    for (&distance, &rank) in columns.distance.iter().zip(&*columns.rank) {
         let here = simd.equal_f64s(distance, wanted);
         lowest = simd.min_f64s(lowest, simd.select_f64s(here, rank, infinity));
     }
     simd.reduce_min_f64s(lowest)
 }
 
-/// Closes the column of this rank, among `columns` the one with this index.
-///
-/// Whole vectors are written, by a minimum and a maximum: the next pass loads them at once, and
-/// would have to wait for a store of one lane.
+/// Closes a column.
 #[inline(always)]
-pub(super) fn close<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Columns) {
-    let chunk = column / S::F64_LANES;
-    let infinity = simd.splat_f64s(f64::INFINITY);
-    let minus_infinity = simd.splat_f64s(f64::NEG_INFINITY);
-    let here = simd.equal_f64s(S::as_simd_f64s(&columns.rank).0[chunk], simd.splat_f64s(rank));
-    let dual = &mut S::as_mut_simd_f64s(&mut columns.dual).0[chunk];
-    // The second operand is what a NaN, where sums overflow, leaves as it is.
-    *dual = simd.min_f64s(simd.select_f64s(here, minus_infinity, infinity), *dual);
-    let distance = &mut S::as_mut_simd_f64s(&mut columns.distance).0[chunk];
-    *distance = simd.max_f64s(*distance, simd.select_f64s(here, infinity, minus_infinity));
+pub(super) fn close<S: Simd>(simd: S, column: usize, columns: &mut Vectors<'_, S>) {
+    lower(simd, columns.dual, column, f64::NEG_INFINITY);
+    raise(simd, columns.distance, column, f64::INFINITY);
 }
 
 /// Gives a column another rank.
 #[inline(always)]
-pub(super) fn rerank<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Columns) {
-    let before = columns.rank[column];
-    let chunk = &mut S::as_mut_simd_f64s(&mut columns.rank).0[column / S::F64_LANES];
+pub(super) fn rerank<S: Simd>(simd: S, column: usize, rank: f64, columns: &mut Vectors<'_, S>) {
+    let before = columns.rank(column);
+    let chunk = &mut columns.rank[column / S::F64_LANES];
     let here = simd.equal_f64s(*chunk, simd.splat_f64s(before));
     let change = simd.select_f64s(here, simd.splat_f64s(rank - before), simd.splat_f64s(0.0));
     *chunk = simd.add_f64s(*chunk, change);
-}
-
-/// Lowers the dual of a column, as a whole vector.
-#[inline(always)]
-pub(super) fn lower_dual<S: Simd>(simd: S, column: usize, dual: f64, columns: &mut Columns) {
-    let here = S::as_simd_f64s(&LANE).0[0];
-    let lane = simd.splat_f64s((column % S::F64_LANES) as f64);
-    let chunk = &mut S::as_mut_simd_f64s(&mut columns.dual).0[column / S::F64_LANES];
-    let infinity = simd.splat_f64s(f64::INFINITY);
-    let lower = simd.select_f64s(simd.equal_f64s(here, lane), simd.splat_f64s(dual), infinity);
-    *chunk = simd.min_f64s(lower, *chunk);
 }

@@ -10,6 +10,9 @@
 /// Relative to the largest cost: what rounding can hide.
 pub(crate) const TOLERANCE: f64 = 1e-12;
 
+/// So few edges are compared with one another sooner than they are sorted.
+const FEW: usize = 12;
+
 /// The edges of the graph, and how many of them lead to each row and to the outside.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
@@ -22,8 +25,27 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
+    /// Takes away what leads to where no edge begins.
+    fn few_have_no_cycle(&mut self) -> bool {
+        let edges = &mut self.edges;
+        loop {
+            let before = edges.len();
+            for k in (0..before).rev() {
+                if !edges.iter().any(|edge| edge[0] == edges[k][1]) {
+                    edges.swap_remove(k);
+                }
+            }
+            if edges.is_empty() || edges.len() == before {
+                return edges.is_empty();
+            }
+        }
+    }
+
     /// Takes away what no edge leads to, with its edges, until none is left or a cycle.
     pub(crate) fn has_no_cycle(&mut self, nodes: usize) -> bool {
+        if self.edges.len() <= FEW {
+            return self.few_have_no_cycle();
+        }
         self.edges.sort_unstable();
         self.into.clear();
         self.into.resize(nodes, 0);

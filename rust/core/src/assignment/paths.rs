@@ -5,8 +5,10 @@
 //! then the last of those. Here all columns stand in their natural order, for the lanes; a rank
 //! says where in that list a column would be, and the minima are told apart by it.
 
-use super::columns::{Columns, Largest, Step, Sum, begin, close, lowest_rank, relax, rerank};
+use super::columns::{Columns, Largest, Step, Sum, Vectors};
+use super::columns::{begin, close, lowest_rank, relax, rerank};
 use crate::error::{Error, Result};
+use crate::simd::small_integer;
 use pulp::Simd;
 
 const NONE: usize = usize::MAX;
@@ -20,10 +22,27 @@ pub(super) struct Matching {
     pub columns: Columns,
     pub column_of_row: Vec<usize>,
     pub row_of_column: Vec<usize>,
-    /// SciPy's list: the first `open` entries are the columns not yet reached.
+    list: List,
+    reached: Vec<Reached>,
+}
+
+/// SciPy's list: the first `open` entries are the columns not yet reached.
+#[derive(Debug, Default)]
+struct List {
     remaining: Vec<usize>,
     open: usize,
-    reached: Vec<Reached>,
+}
+
+impl List {
+    /// Swaps the column at this place with the end of the list.
+    #[inline(always)]
+    fn take<S: Simd>(&mut self, simd: S, place: usize, columns: &mut Vectors<'_, S>) {
+        self.open -= 1;
+        let moved = self.remaining[self.open];
+        self.remaining[place] = moved;
+        let is_free = columns.rank(moved) < 0.0;
+        rerank(simd, moved, if is_free { free_rank(place) } else { place as f64 }, columns);
+    }
 }
 
 /// A column to which the shortest path is known.
@@ -43,9 +62,9 @@ impl Matching {
         refill(&mut self.column_of_row, rows, NONE);
         refill(&mut self.row_of_column, columns, NONE);
         self.columns.reset(columns);
-        self.remaining.clear();
-        self.remaining.extend((0..columns).rev());
-        self.open = columns;
+        self.list.remaining.clear();
+        self.list.remaining.extend((0..columns).rev());
+        self.list.open = columns;
         self.reached.clear();
         for (j, rank) in self.columns.rank.iter_mut().enumerate().take(columns) {
             *rank = free_rank(columns - 1 - j);
@@ -102,39 +121,29 @@ impl Matching {
         row: usize,
         length: f64,
     ) -> Result<(usize, f64)> {
-        let columns = self.row_of_column.len();
-        let row_of_costs = |i: usize| &costs[i * columns..(i + 1) * columns];
-        let step = T::new(length, self.row_dual[row]);
-        let mut lowest = begin(simd, row_of_costs(row), step, &mut self.columns);
+        let count = self.row_of_column.len();
+        let row_of_costs = |i: usize| &costs[i * count..(i + 1) * count];
+        let Self { columns, row_of_column, row_dual, list, reached, .. } = self;
+        let columns = &mut columns.vectors::<S>();
+        let step = T::new(length, row_dual[row]);
+        let mut lowest = begin(simd, row_of_costs(row), step, columns);
         loop {
             if lowest == f64::INFINITY {
                 return Err(Error::Infeasible);
             }
-            let rank = lowest_rank(simd, lowest, columns, &self.columns);
-            debug_assert!(rank < f64::INFINITY, "a column stands at the lowest distance");
-            let column = self.remaining[place(rank)];
-            let i = self.row_of_column[column];
+            let place = place(lowest_rank(simd, lowest, columns));
+            let column = list.remaining[place];
+            let i = row_of_column[column];
             if i == NONE {
                 return Ok((column, lowest));
             }
-            self.reach(simd, column, rank, lowest);
-            let step = T::new(lowest, self.row_dual[i]);
-            lowest = relax(simd, row_of_costs(i), step, self.reached.len(), &mut self.columns);
+            let dual = columns.dual(column);
+            reached.push(Reached { column, place, distance: lowest, dual });
+            close(simd, column, columns);
+            list.take(simd, place, columns);
+            let step = T::new(lowest, row_dual[i]);
+            lowest = relax(simd, row_of_costs(i), step, reached.len(), columns);
         }
-    }
-
-    /// Closes the column of this rank and swaps it with the end of the list.
-    #[inline(always)]
-    fn reach<S: Simd>(&mut self, simd: S, column: usize, rank: f64, distance: f64) {
-        let place = place(rank);
-        self.open -= 1;
-        let moved = self.remaining[self.open];
-        self.remaining[place] = moved;
-        let dual = self.columns.dual[column];
-        self.reached.push(Reached { column, place, distance, dual });
-        close(simd, column, rank, &mut self.columns);
-        let free = self.columns.rank[moved] < 0.0;
-        rerank(simd, moved, if free { free_rank(place) } else { place as f64 }, &mut self.columns);
     }
 
     fn update_duals(&mut self, row: usize, sink: usize, length: f64) {
@@ -154,7 +163,8 @@ impl Matching {
     #[inline(always)]
     fn augment<S: Simd>(&mut self, simd: S, row: usize, sink: usize) {
         self.restore();
-        rerank(simd, sink, (self.row_of_column.len() - 1 - sink) as f64, &mut self.columns);
+        let rank = (self.row_of_column.len() - 1 - sink) as f64;
+        rerank(simd, sink, rank, &mut self.columns.vectors());
         let mut j = sink;
         loop {
             let before =
@@ -179,12 +189,12 @@ impl Matching {
         };
         for reached in &self.reached {
             home(reached.column);
-            home(self.remaining[reached.place]);
+            home(self.list.remaining[reached.place]);
         }
         for reached in &self.reached {
-            self.remaining[reached.place] = last - reached.place;
+            self.list.remaining[reached.place] = last - reached.place;
         }
-        self.open = last + 1;
+        self.list.open = last + 1;
     }
 }
 
@@ -197,7 +207,7 @@ fn free_rank(place: usize) -> f64 {
 /// Where in the list the column of this rank stands.
 #[inline]
 fn place(rank: f64) -> usize {
-    (if rank < 0.0 { -1.0 - rank } else { rank }) as usize
+    small_integer(if rank < 0.0 { -1.0 - rank } else { rank })
 }
 
 pub(super) fn refill<T: Clone>(values: &mut Vec<T>, length: usize, value: T) {

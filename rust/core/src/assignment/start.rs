@@ -6,8 +6,9 @@
 //! augmenting row reduction. The latter creeps by ever smaller amounts where many costs are close,
 //! as they are between points: it gets as many looks at a row as there are rows, and no more.
 
-use super::columns::{each_vector, lower_dual, two_lowest};
+use super::columns::{each_vector, two_lowest};
 use super::paths::Matching;
+use crate::simd::lower;
 use pulp::Simd;
 
 const NONE: usize = usize::MAX;
@@ -107,7 +108,7 @@ fn reduce_rows<S: Simd>(
                 break;
             }
             if dearer {
-                lower_dual(simd, j, dual, &mut matching.columns);
+                lower(simd, S::as_mut_simd_f64s(&mut matching.columns.dual).0, j, dual);
             }
             matching.set(i, j);
             if owner == NONE {

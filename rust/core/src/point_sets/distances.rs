@@ -27,7 +27,8 @@ fn matrix(x: Points, y: Points, distance: impl Fn(&[f64], &[f64]) -> f64) -> Vec
         .collect()
 }
 
-fn check_dimensions(x: Points, y: Points) -> Result<()> {
+/// Checks that all points have the same dimension.
+pub(super) fn check_dimensions(x: Points, y: Points) -> Result<()> {
     let (expected, found) = (x.dimension(), y.dimension());
     if x.is_empty() || y.is_empty() || found == expected {
         return Ok(());

@@ -7,7 +7,7 @@
 
 use super::cutoff::Cutoff;
 use super::near::check_memory;
-use super::ospa::Ospa;
+use super::results::Ospa;
 use super::sets::Sets;
 use crate::assignment::bottleneck;
 use crate::assignment::dense::{self, Goal};

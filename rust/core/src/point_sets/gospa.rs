@@ -20,31 +20,15 @@
 //! Ties: see `pairs`.
 
 use super::cutoff::Cutoff;
-use super::ospa::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, euclidean, frames_per_piece};
-use super::pairs::{self, Pair};
+use super::frames::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, frames_per_piece};
+use super::pairs;
+use super::results::{Gospa, Pair};
 use super::sets::{Distances, Euclidean, Sets};
 use crate::error::{Error, Result};
 use crate::interrupt::Interrupt;
 use crate::points::{Frames, Points};
 use crate::{simd, threads};
 use pulp::{Simd, WithSimd};
-
-/// GOSPA with its parts and counts.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Gospa {
-    /// The distance, in the points' unit.
-    pub distance: f64,
-    /// The sum of d^p over the pairs.
-    pub localization: f64,
-    /// c^p / 2 for each point of the truth without a partner.
-    pub missed: f64,
-    /// c^p / 2 for each estimate without a partner.
-    pub false_alarms: f64,
-    /// How many points of the truth have no partner.
-    pub missed_count: usize,
-    /// How many estimates have no partner.
-    pub false_count: usize,
-}
 
 /// Order, cutoff and the price of a point too many, checked.
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +68,7 @@ pub fn gospa(
     interrupt: &Interrupt<'_>,
 ) -> Result<Gospa> {
     let setting = Setting::new(c, p, alpha)?;
-    simd::dispatch(OneFrame { sets: euclidean(x, y)?, setting, work, pairs, interrupt })
+    simd::dispatch(OneFrame { sets: Euclidean::new(x, y)?, setting, work, pairs, interrupt })
 }
 
 /// GOSPA of two sets whose distances are given, and its pairs.

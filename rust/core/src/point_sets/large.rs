@@ -6,7 +6,7 @@
 
 use super::cutoff::Cutoff;
 use super::near::{Near, check_memory};
-use super::pairs::Pair;
+use super::results::Pair;
 use super::sets::Sets;
 use crate::assignment::sparse::{self, Matching, NONE};
 use crate::error::Result;

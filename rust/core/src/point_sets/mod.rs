@@ -3,12 +3,15 @@
 pub mod cutoff;
 pub mod distances;
 mod extreme;
+pub mod frames;
 pub mod gospa;
 mod large;
+mod lowest;
 mod matching;
 mod near;
 pub mod ospa;
-pub mod pairs;
+mod pairs;
+pub mod results;
 mod rows;
 pub mod sets;
 mod tiny;

@@ -18,38 +18,16 @@
 //! Cost: O(m n) where no two points want the same partner, O(m^2 n) at worst.
 
 use super::cutoff::Cutoff;
-use super::large;
-use super::pairs::{self, Pair};
+use super::frames::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, frames_per_piece};
+use super::results::{Ospa, Pair};
 use super::sets::{Distances, Euclidean, Sets};
-use super::{extreme, matching, tiny};
-use crate::assignment::dense;
-use crate::error::{Error, Result};
+use super::{extreme, large, matching, pairs, tiny};
+use crate::error::Result;
 use crate::interrupt::Interrupt;
 use crate::points::{Frames, Points};
 use crate::{simd, threads};
 use pulp::{Simd, WithSimd};
 use std::ops::RangeInclusive;
-
-/// OSPA and the two parts it is made of: `ospa^p = localization^p + cardinality^p`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ospa {
-    /// The distance, in the points' unit.
-    pub distance: f64,
-    /// The part owed to the distances of matched points.
-    pub localization: f64,
-    /// The part owed to the difference in cardinality.
-    pub cardinality: f64,
-}
-
-/// How many frames are handled between two questions whether to stop.
-pub(super) const FRAMES_BETWEEN_CHECKS: usize = 64;
-
-/// What one frame needs and the next frame can use again.
-#[derive(Debug, Default)]
-pub struct Workspace {
-    pub(super) matching: matching::Workspace,
-    pub(super) exact: dense::Workspace,
-}
 
 /// OSPA of order `p` and cutoff `c` between two sets.
 ///
@@ -65,7 +43,7 @@ pub fn ospa(
     interrupt: &Interrupt<'_>,
 ) -> Result<Ospa> {
     let cutoff = Cutoff::new(c, p)?;
-    let sets = euclidean(x, y)?;
+    let sets = Euclidean::new(x, y)?;
     if x.len().max(y.len()) <= tiny::LARGEST {
         return of_frame(pulp::Scalar::new(), sets, &cutoff, work, interrupt);
     }
@@ -100,22 +78,13 @@ pub fn ospa_assignment(
     interrupt: &Interrupt<'_>,
 ) -> Result<Vec<Pair>> {
     let cutoff = &Cutoff::new(c, p)?;
-    let (sets, mut pairs) = (euclidean(x, y)?, Vec::new());
+    let (sets, mut pairs) = (Euclidean::new(x, y)?, Vec::new());
     if p == f64::INFINITY {
         pairs::bottleneck(sets, cutoff, &mut pairs, interrupt)?;
     } else {
         simd::dispatch(Assign { sets, cutoff, work, pairs: &mut pairs, interrupt })?;
     }
     Ok(pairs)
-}
-
-/// Two sets of points, which must have the same dimension.
-pub(super) fn euclidean<'a>(x: Points<'a>, y: Points<'a>) -> Result<Euclidean<'a>> {
-    let (expected, found) = (x.dimension(), y.dimension());
-    if x.is_empty() || y.is_empty() || found == expected {
-        return Ok(Euclidean { x, y });
-    }
-    Err(Error::Dimension { argument: "Y", index: vec![0], found, expected })
 }
 
 /// OSPA of every pair of sets of two sequences, into `output`.
@@ -136,33 +105,6 @@ pub fn ospa_over_time(
     threads::fill(output, frames_per_piece(x, y), |first, output| {
         simd::dispatch(ManyFrames { x, y, first, cutoff: &cutoff, output, interrupt })
     })
-}
-
-pub(super) fn check_sequences(x: Frames, y: Frames) -> Result<()> {
-    let argument = "Y_sequence";
-    if x.len() != y.len() {
-        let (found, expected) = (y.len(), x.len());
-        return Err(Error::Length {
-            argument,
-            found,
-            other: "X_sequence",
-            expected,
-            unit: "time steps",
-        });
-    }
-    let (found, expected) = (y.dimension(), x.dimension());
-    if !x.has_no_points() && !y.has_no_points() && found != expected {
-        return Err(Error::Dimension { argument, index: Vec::new(), found, expected });
-    }
-    Ok(())
-}
-
-/// A piece is the time of about 100 000 pairs of points, some 100 us: tens of times what handing it
-/// to a thread costs. A frame without any pair takes as long as 40.
-pub(super) fn frames_per_piece(x: Frames, y: Frames) -> usize {
-    const PAIRS: usize = 100_000;
-    let frames = x.len().max(1);
-    PAIRS / (40 + (x.points() / frames) * (y.points() / frames)) + 1
 }
 
 struct OneFrame<'a, T> {
@@ -288,13 +230,11 @@ pub(super) fn least_total<S: Simd>(
     work: &mut matching::Workspace,
     interrupt: &Interrupt<'_>,
 ) -> Result<f64> {
-    let (m, n) = sets.sizes();
-    if n <= tiny::LARGEST {
+    if sets.sizes().1 <= tiny::LARGEST {
         return Ok(sets.tiny_total(cutoff));
     }
-    work.start(m, n);
-    sets.enter(simd, cutoff, work);
-    work.solve(simd, cutoff.most(), interrupt)
+    work.solve::<S, false>(simd, sets, cutoff, interrupt)?;
+    Ok(work.total())
 }
 
 /// The three results from the least total cost of `m <= n` pairs.

@@ -6,18 +6,16 @@
 //! users and is the same on every machine. The fast matching is used where it is the only one.
 
 use super::cutoff::Cutoff;
+use super::frames::Workspace;
 use super::large;
 use super::near::check_memory;
-use super::ospa::Workspace;
+use super::results::Pair;
 use super::sets::Sets;
 use crate::assignment::bottleneck;
 use crate::assignment::dense::{self, Goal};
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use pulp::Simd;
-
-/// A row and a column.
-pub type Pair = (usize, usize);
 
 /// The pairs closer than the cutoff in the matching of least total, in the order of the rows, and
 /// the sum of their costs.
@@ -54,19 +52,14 @@ pub(super) fn least_total<S: Simd>(
     }
     let (most, matching, is_flipped) = (cutoff.most(), &mut work.matching, m > n);
     let wide = if is_flipped { sets.flipped() } else { sets };
-    matching.start(m.min(n), m.max(n));
-    wide.enter(simd, cutoff, matching);
-    matching.solve(simd, most, interrupt)?;
-    if !matching.is_unique(simd, most) {
+    matching.solve::<S, true>(simd, wide, cutoff, interrupt)?;
+    if !matching.is_unique(simd, wide, cutoff) {
         in_order(sets, cutoff, &mut work.exact, pairs, interrupt)?;
         return Ok(sum(sets, cutoff, pairs));
     }
-    let mut total = 0.0;
-    for (i, j, cost) in matching.pairs(most) {
-        total += cost;
-        pairs.push(if is_flipped { (j, i) } else { (i, j) });
-    }
+    let total = matching.list(most, pairs);
     if is_flipped {
+        pairs.iter_mut().for_each(|pair| *pair = (pair.1, pair.0));
         pairs.sort_unstable();
     }
     Ok(total)

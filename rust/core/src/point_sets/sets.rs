@@ -1,9 +1,10 @@
 //! Two sets of which only distances count: points, or a ready matrix.
 
 use super::cutoff::Cutoff;
-use super::matching::Workspace;
+use super::distances::check_dimensions;
 use super::near::{LARGEST_DIMENSION, Near};
-use super::{rows, tiny};
+use super::rows::{Axes, Nearest, write_costs};
+use super::tiny;
 use crate::error::{Error, Result};
 use crate::points::Points;
 use pulp::Simd;
@@ -16,14 +17,30 @@ pub(crate) trait Sets: Copy {
     /// The same with rows and columns exchanged.
     fn flipped(self) -> Self;
 
-    /// The cost of a pair, with the same bits as in `enter`.
+    /// The cost of a pair, with the same bits as in `write_row`.
     fn cost(&self, i: usize, j: usize, cutoff: &Cutoff) -> f64;
 
     /// The distance of a pair, at any scale.
     fn distance(&self, i: usize, j: usize) -> f64;
 
-    /// Enters every row into `work`.
-    fn enter<S: Simd>(self, simd: S, cutoff: &Cutoff, work: &mut Workspace);
+    /// Finds the least cost of every row, and if `SECOND` the second least.
+    fn find_nearest<S: Simd, const SECOND: bool>(
+        self,
+        simd: S,
+        cutoff: &Cutoff,
+        nearest: &mut Nearest,
+    );
+
+    /// Writes the costs of row `i`, padded with the cutoff's; `columns` is empty at the first row, and
+    /// then whatever the implementation keeps there.
+    fn write_row<S: Simd>(
+        self,
+        simd: S,
+        i: usize,
+        cutoff: &Cutoff,
+        columns: &mut Axes,
+        row: &mut [f64],
+    );
 
     /// Coordinates of a point; 0 where there are none.
     fn dimension(&self) -> usize {
@@ -55,6 +72,15 @@ pub(crate) trait Sets: Copy {
 pub(crate) struct Euclidean<'a> {
     pub(crate) x: Points<'a>,
     pub(crate) y: Points<'a>,
+}
+
+impl<'a> Euclidean<'a> {
+    /// # Errors
+    /// [`Error::Dimension`] for points of different dimensions.
+    pub(super) fn new(x: Points<'a>, y: Points<'a>) -> Result<Self> {
+        check_dimensions(x, y)?;
+        Ok(Self { x, y })
+    }
 }
 
 impl Sets for Euclidean<'_> {
@@ -89,11 +115,28 @@ impl Sets for Euclidean<'_> {
     }
 
     #[inline(always)]
-    fn enter<S: Simd>(self, simd: S, cutoff: &Cutoff, work: &mut Workspace) {
-        let mut axes = std::mem::take(&mut work.axes);
-        rows::lay_out(self.y, &mut axes);
-        rows::enter_points(simd, self.x, &axes, cutoff, work);
-        work.axes = axes;
+    fn find_nearest<S: Simd, const SECOND: bool>(
+        self,
+        simd: S,
+        cutoff: &Cutoff,
+        nearest: &mut Nearest,
+    ) {
+        nearest.find::<S, SECOND>(simd, self.x, self.y, cutoff);
+    }
+
+    #[inline(always)]
+    fn write_row<S: Simd>(
+        self,
+        simd: S,
+        i: usize,
+        cutoff: &Cutoff,
+        columns: &mut Axes,
+        row: &mut [f64],
+    ) {
+        if columns.is_empty() {
+            columns.lay_out(self.y);
+        }
+        write_costs(simd, self.x.point(i), columns, cutoff, row);
     }
 
     fn dimension(&self) -> usize {
@@ -166,7 +209,43 @@ impl Sets for Distances<'_> {
         self.values[row * self.columns + column]
     }
 
-    fn enter<S: Simd>(self, simd: S, cutoff: &Cutoff, work: &mut Workspace) {
-        rows::enter_costs(simd, self, cutoff, work);
+    fn find_nearest<S: Simd, const SECOND: bool>(
+        self,
+        _simd: S,
+        cutoff: &Cutoff,
+        nearest: &mut Nearest,
+    ) {
+        let (m, n) = self.sizes();
+        nearest.start(m);
+        nearest.gap = f64::INFINITY;
+        for i in 0..m {
+            let (mut least, mut column, mut second) = (cutoff.c(), 0, cutoff.c());
+            for (j, distance) in (0..n).map(|j| (j, self.distance(i, j))) {
+                if distance < least {
+                    (least, column, second) = (distance, j, least);
+                } else {
+                    second = second.min(distance);
+                }
+            }
+            let (least, second) = (cutoff.cost(least), cutoff.cost(second));
+            (nearest.least[i], nearest.column[i], nearest.second[i]) =
+                (least, column as u64, second);
+            if least < cutoff.most() {
+                nearest.gap = nearest.gap.min(second - least);
+            }
+        }
+    }
+
+    fn write_row<S: Simd>(
+        self,
+        _simd: S,
+        i: usize,
+        cutoff: &Cutoff,
+        _columns: &mut Axes,
+        row: &mut [f64],
+    ) {
+        let (costs, padding) = row.split_at_mut(self.sizes().1);
+        costs.iter_mut().enumerate().for_each(|(j, cost)| *cost = self.cost(i, j, cutoff));
+        padding.fill(cutoff.most());
     }
 }

@@ -4,86 +4,135 @@
 //! Pairs at the cutoff or beyond do not count: they cost what staying alone costs, and are not
 //! pairs.
 
+use super::cutoff::Cutoff;
 use super::matching::{ALONE, NONE, Workspace};
-use crate::assignment::exchange::{Graph, TOLERANCE};
+use super::sets::Sets;
+use crate::assignment::exchange::TOLERANCE;
 use pulp::Simd;
 
 impl Workspace {
-    /// Whether no other matching costs as little, `alone` being finite.
+    /// Whether no other matching costs as little, once solved with the second least costs.
     #[inline(always)]
-    pub(super) fn is_unique<S: Simd>(&mut self, simd: S, alone: f64) -> bool {
-        let (has_duals, mut graph) = (self.conflicting > 0, std::mem::take(&mut self.graph));
-        graph.rows.clear();
-        for row in 0..self.rows {
-            if self.is_doubtful(simd, row, alone, has_duals) {
-                graph.rows.push(row as u32);
-            }
+    pub(super) fn is_unique<S: Simd>(&mut self, simd: S, sets: impl Sets, cutoff: &Cutoff) -> bool {
+        let alone = cutoff.most();
+        if self.conflicting == 0 {
+            self.start_duals();
         }
-        let is_unique = graph.rows.is_empty() || self.has_no_other(alone, &mut graph);
+        // It says enough of a row that no search has passed: its dual is its least cost, and no dual
+        // of a column is positive.
+        if self.nearest.gap <= TOLERANCE * alone {
+            self.write_close(simd, sets, cutoff);
+        }
+        if self.written.is_empty() {
+            return true;
+        }
+        let mut graph = std::mem::take(&mut self.graph);
+        self.add_edges(simd, alone, &mut graph.edges);
+        graph.rows.clear();
+        graph.rows.extend_from_slice(&self.written);
+        let is_unique = graph.edges.is_empty() || graph.has_no_cycle(self.rows + 1);
         self.graph = graph;
         is_unique
     }
 
-    /// Whether a row could do as well with a column that it does not have, or alone.
+    /// Writes the rows whose second best is as good as their best.
+    #[cold]
+    fn write_close<S: Simd>(&mut self, simd: S, sets: impl Sets, cutoff: &Cutoff) {
+        let alone = cutoff.most();
+        for row in 0..self.rows {
+            let (least, second) = (self.nearest.least[row], self.nearest.second[row]);
+            if least < alone && second - least <= TOLERANCE * alone {
+                self.write(simd, sets, row, cutoff);
+            }
+        }
+    }
+
+    /// Lists what the written rows could have for nothing: of all others it is known that they could
+    /// have nothing else. Nothing leads to a row that stays alone but from the outside.
     #[inline(always)]
-    fn is_doubtful<S: Simd>(&self, simd: S, row: usize, alone: f64, has_duals: bool) -> bool {
-        let reach = self.row_dual[row] + TOLERANCE * alone;
-        let is_alone = self.column_of_row[row] == ALONE;
-        if !is_alone && reach >= alone {
-            return true;
+    fn add_edges<S: Simd>(&self, simd: S, alone: f64, edges: &mut Vec<[u32; 2]>) {
+        let (outside, tolerance) = (self.rows as u32, TOLERANCE * alone);
+        let own = |row: u32| self.column_of_row[row as usize];
+        edges.clear();
+        for &row in self.written.iter().filter(|row| own(**row) != ALONE) {
+            if self.reach(row, alone) >= alone {
+                edges.push([row, outside]);
+            }
+            if self.count_columns(simd, row, alone) != 1.0 {
+                self.add_columns(simd, row, alone, edges);
+            }
         }
-        let costs = S::as_simd_f64s(&self.costs[row * self.stride..(row + 1) * self.stride]).0;
-        let (limit, reach) = (simd.splat_f64s(alone), simd.splat_f64s(reach));
+        if edges.iter().any(|edge| edge[1] == outside) {
+            for &row in &self.written {
+                if own(row) == ALONE {
+                    self.add_columns(simd, row, alone, edges);
+                    edges.push([outside, row]);
+                } else if self.column_dual[own(row) as usize] >= -tolerance {
+                    edges.push([outside, row]);
+                }
+            }
+        }
+    }
+
+    /// How many columns a row could have for nothing, its own among them.
+    #[inline(always)]
+    fn count_columns<S: Simd>(&self, simd: S, row: u32, alone: f64) -> f64 {
         let (none, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        let mut tight = none;
-        if has_duals {
-            let duals = S::as_simd_f64s(&self.column_dual[..self.stride]).0;
-            for (&cost, &dual) in costs.iter().zip(duals) {
-                let is_near = simd.less_than_f64s(cost, limit);
-                let reduced = simd.sub_f64s(cost, dual);
-                let is_tight = simd.less_than_or_equal_f64s(reduced, reach);
-                let count = simd.select_f64s(is_tight, one, none);
-                tight = simd.add_f64s(tight, simd.select_f64s(is_near, count, none));
-            }
-        } else if !is_alone {
-            // What is within reach is nearer than the cutoff.
-            for &cost in costs {
-                let is_tight = simd.less_than_or_equal_f64s(cost, reach);
-                tight = simd.add_f64s(tight, simd.select_f64s(is_tight, one, none));
-            }
-        } else {
-            return false;
+        let mut count = none;
+        for is_edge in self.columns_for_nothing(simd, row, alone) {
+            count = simd.add_f64s(count, simd.select_f64s(is_edge, one, none));
         }
-        simd.reduce_sum_f64s(tight) != f64::from(u8::from(!is_alone))
+        simd.reduce_sum_f64s(count)
     }
 
-    fn has_no_other(&mut self, alone: f64, graph: &mut Graph) -> bool {
-        if self.conflicting == 0 {
-            self.column_dual.clear();
-            self.column_dual.resize(self.stride, 0.0);
+    #[inline(always)]
+    fn add_columns<S: Simd>(&self, simd: S, row: u32, alone: f64, edges: &mut Vec<[u32; 2]>) {
+        let costs = &self.costs[row as usize * self.stride..][..self.stride];
+        let (own, reach) = (self.column_of_row[row as usize], self.reach(row, alone));
+        for (k, is_edge) in self.columns_for_nothing(simd, row, alone).enumerate() {
+            if simd.first_true_m64s(is_edge) == S::F64_LANES {
+                continue;
+            }
+            let mut count = edges.len();
+            edges.resize(count + S::F64_LANES, [row, 0]);
+            let lanes = k * S::F64_LANES..(k + 1) * S::F64_LANES;
+            let costs = costs[lanes.clone()].iter().zip(&self.column_dual[lanes.clone()]);
+            let columns = lanes.clone().zip(&self.row_of_column[lanes]);
+            // No branch: which columns these are is as good as random.
+            for ((j, &owner), (&cost, &dual)) in columns.zip(costs) {
+                edges[count][1] = if owner == NONE { self.rows as u32 } else { owner };
+                let is_tight = (cost < alone) & (cost - dual <= reach);
+                count += usize::from(is_tight & (j as u32 != own));
+            }
+            edges.truncate(count);
         }
-        graph.edges.clear();
-        for k in 0..graph.rows.len() {
-            self.add_edges(graph.rows[k] as usize, alone, graph);
-        }
-        graph.has_no_cycle(self.rows + 1)
     }
 
-    fn add_edges(&self, row: usize, alone: f64, graph: &mut Graph) {
-        let (own, outside) = (self.column_of_row[row], self.rows as u32);
-        let reach = self.row_dual[row] + TOLERANCE * alone;
-        if own != ALONE && reach >= alone {
-            graph.edges.push([row as u32, outside]);
-        }
-        if own == ALONE || self.column_dual[own as usize] >= -TOLERANCE * alone {
-            graph.edges.push([outside, row as u32]);
-        }
-        let costs = &self.costs[row * self.stride..(row + 1) * self.stride];
-        for (j, (&cost, &dual)) in costs.iter().zip(&self.column_dual).enumerate() {
-            if j as u32 != own && cost < alone && cost - dual <= reach {
-                let owner = self.row_of_column[j];
-                graph.edges.push([row as u32, if owner == NONE { outside } else { owner }]);
-            }
-        }
+    /// Whether a row could have each column for nothing, vector by vector.
+    #[inline(always)]
+    fn columns_for_nothing<S: Simd>(
+        &self,
+        simd: S,
+        row: u32,
+        alone: f64,
+    ) -> impl Iterator<Item = S::m64s> {
+        let costs = &self.costs[row as usize * self.stride..][..self.stride];
+        let costs = S::as_simd_f64s(costs).0.iter();
+        let duals = S::as_simd_f64s(&self.column_dual[..self.stride]).0;
+        let limit = simd.splat_f64s(alone);
+        let reach = simd.splat_f64s(self.reach(row, alone));
+        costs.zip(duals).map(
+            #[inline(always)]
+            move |(&cost, &dual)| {
+                let is_tight = simd.less_than_or_equal_f64s(simd.sub_f64s(cost, dual), reach);
+                simd.and_m64s(is_tight, simd.less_than_f64s(cost, limit))
+            },
+        )
+    }
+
+    /// What a row may cost to count as costing no more than it does, as its dual says.
+    #[inline(always)]
+    fn reach(&self, row: u32, alone: f64) -> f64 {
+        self.row_dual[row as usize] + TOLERANCE * alone
     }
 }
