@@ -32,8 +32,9 @@ use std::ops::RangeInclusive;
 /// OSPA of order `p` and cutoff `c` between two sets.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a cutoff or an order that is not positive, [`crate::Error::Dimension`] for
-/// points of different dimensions, [`crate::Error::Memory`] for sets too large, [`crate::Error::Interrupted`].
+/// [`crate::Error::Parameter`] for a cutoff or an order that is not positive,
+/// [`crate::Error::Dimension`] for points of different dimensions, [`crate::Error::Memory`] for
+/// sets too large, [`crate::Error::Interrupted`].
 pub fn ospa(
     x: Points,
     y: Points,
