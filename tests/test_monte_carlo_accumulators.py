@@ -208,6 +208,28 @@ def test_kernel_and_twin_agree(d, steps, runs, seed, scale, innovations):
     assert np.array_equal(native[2][0], twin[2][0])
 
 
+@pytest.mark.parametrize("steps", [1, 7, 13])
+@pytest.mark.parametrize("d", [1, 2, 3, 4, 6, 9, 10])
+def test_wider_vectors_do_not_change_a_bit(d, steps):
+    rng = np.random.default_rng(d)
+    truth, estimates = rng.normal(size=(2, 21, steps, d))
+    root = rng.normal(size=(21, steps, d, d)) + 3 * np.eye(d)
+    covariances = root @ root.swapaxes(-1, -2)
+    truth[3] = -0.0
+    estimates[3] = 0.0
+    found = []
+    try:
+        for width in ("avx2", "widest"):
+            _native.set_simd(width)
+            sums = _native.consistency_sums(
+                truth, estimates, covariances, np.zeros(d), 3, 1.0, np.array([1.0, 5.0])
+            )
+            found.append([array.tobytes() for array in sums])
+    finally:
+        _native.set_simd("widest")
+    assert found[0] == found[1]
+
+
 @pytest.mark.parametrize("kernels", [_native, _numpy])
 def test_wrong_batches_are_named(kernels):
     batch = filter_batch(6, steps=2, d=2)
