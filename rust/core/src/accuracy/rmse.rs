@@ -11,6 +11,8 @@
 use super::sums::{add_squares, short_rows, squares};
 use crate::arrays::{Array, unravel};
 use crate::error::{Error, Result};
+use crate::simd;
+use pulp::{Simd, WithSimd};
 
 /// The longest row that is summed with many rows side by side.
 const SHORT: usize = 9;
@@ -40,8 +42,23 @@ pub fn rmse(
     if !output.is_empty() {
         add(&groups, truth.values(), estimate.map(|array| array.values()), &mut output);
     }
-    output.iter_mut().for_each(|sum| *sum = (*sum / count as f64).sqrt());
+    simd::dispatch(RootMeans { sums: &mut output, count: count as f64 });
     Ok((output, shape))
+}
+
+/// Roots of sums over a count.
+struct RootMeans<'a> {
+    sums: &'a mut [f64],
+    count: f64,
+}
+
+impl WithSimd for RootMeans<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.sums.iter_mut().for_each(|sum| *sum = (*sum / self.count).sqrt());
+    }
 }
 
 /// Which axes are averaged.

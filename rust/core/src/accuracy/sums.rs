@@ -3,7 +3,7 @@
 //! Long sums are added in blocks, each with several partial sums in every lane: faster than one
 //! after the other, and closer to the exact sum.
 
-use crate::lanes::{self, Load, WithLanes};
+use crate::lanes::{self, Load, WithLanes, store};
 use crate::simd;
 use pulp::{Simd, WithSimd};
 
@@ -158,7 +158,7 @@ impl<const E: usize> WithLanes for Rows<'_, E> {
             for e in &e[1..] {
                 sum = simd.mul_add_e_f64s(*e, *e, sum);
             }
-            simd.partial_store_f64s(output, sum);
+            store(sum, output);
         }
         for (k, sum) in rest.iter_mut().enumerate() {
             let row = (whole + k) * E..(whole + k + 1) * E;
