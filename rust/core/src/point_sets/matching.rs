@@ -26,7 +26,7 @@ use pulp::Simd;
 use std::cmp::Ordering;
 
 /// No partner yet.
-pub(super) const NONE: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
 /// A row that stays alone.
 pub(super) const ALONE: u32 = u32::MAX - 1;
 
