@@ -26,7 +26,7 @@ use pulp::Simd;
 use std::cmp::Ordering;
 
 /// No partner yet.
-pub(super) const NONE: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
 /// A row that stays alone.
 pub(super) const ALONE: u32 = u32::MAX - 1;
 
@@ -170,21 +170,20 @@ impl Workspace {
     }
 
     /// Lists the rows that are matched at less than the price of staying alone, with their columns,
-    /// once solved. Returns the sum of their costs.
+    /// once solved; in the order of the columns, and these first, where the sets were flipped. Returns
+    /// the sum of their costs.
     #[inline(never)]
-    pub(super) fn list(&self, alone: f64, pairs: &mut Vec<Pair>) -> f64 {
-        let rows = self.cost_of_row[..self.rows].iter().zip(&self.column_of_row);
-        pairs.resize(self.rows, (0, 0));
-        let (mut count, mut total) = (0, 0.0);
-        // No branch here either.
-        for (row, (&cost, &column)) in rows.enumerate() {
-            let is_pair = cost < alone;
-            pairs[count] = (row, column as usize);
-            count += usize::from(is_pair);
-            total += if is_pair { cost } else { 0.0 };
+    pub(super) fn list(&self, alone: f64, is_flipped: bool, pairs: &mut Vec<Pair>) -> f64 {
+        let costs = &self.cost_of_row[..self.rows];
+        if is_flipped {
+            let owners = self.row_of_column[..self.stride].iter().map(|row| *row as usize);
+            let is_near = |row: usize| costs.get(row).is_some_and(|cost| *cost < alone);
+            keep(owners.enumerate().map(|(j, i)| ((j, i), is_near(i))), pairs);
+        } else {
+            let rows = costs.iter().zip(&self.column_of_row).enumerate();
+            keep(rows.map(|(i, (&cost, &j))| ((i, j as usize), cost < alone)), pairs);
         }
-        pairs.truncate(count);
-        total
+        costs.iter().map(|&cost| if cost < alone { cost } else { 0.0 }).sum()
     }
 
     #[inline(always)]
@@ -330,4 +329,15 @@ impl Workspace {
         self.row_of_column[j as usize] = i as u32;
         (i, j)
     }
+}
+
+/// Lists the pairs that are marked. No branch here either.
+fn keep(marked: impl ExactSizeIterator<Item = (Pair, bool)>, pairs: &mut Vec<Pair>) {
+    pairs.resize(marked.len(), (0, 0));
+    let mut count = 0;
+    for (pair, is_kept) in marked {
+        pairs[count] = pair;
+        count += usize::from(is_kept);
+    }
+    pairs.truncate(count);
 }

@@ -50,19 +50,14 @@ pub(super) fn least_total<S: Simd>(
             return Ok(sum(sets, cutoff, pairs));
         }
     }
-    let (most, matching, is_flipped) = (cutoff.most(), &mut work.matching, m > n);
+    let (matching, is_flipped) = (&mut work.matching, m > n);
     let wide = if is_flipped { sets.flipped() } else { sets };
     matching.solve::<S, true>(simd, wide, cutoff, interrupt)?;
     if !matching.is_unique(simd, wide, cutoff) {
         in_order(sets, cutoff, &mut work.exact, pairs, interrupt)?;
         return Ok(sum(sets, cutoff, pairs));
     }
-    let total = matching.list(most, pairs);
-    if is_flipped {
-        pairs.iter_mut().for_each(|pair| *pair = (pair.1, pair.0));
-        pairs.sort_unstable();
-    }
-    Ok(total)
+    Ok(matching.list(cutoff.most(), is_flipped, pairs))
 }
 
 /// Whether squares and powers of distances stay in the range of floats.
@@ -154,4 +149,46 @@ fn matrix(sets: impl Sets, value: impl Fn(usize, usize) -> f64 + Copy) -> Result
 fn keep_near(sets: impl Sets, cutoff: &Cutoff, columns: &[usize], pairs: &mut Vec<Pair>) {
     let matched = columns.iter().enumerate().filter(|(_, j)| **j != usize::MAX);
     pairs.extend(matched.map(|(i, j)| (i, *j)).filter(|&(i, j)| sets.distance(i, j) < cutoff.c()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::point_sets::gospa::gospa;
+    use crate::point_sets::sets::Euclidean;
+    use crate::points::Points;
+    use crate::simd::{Width, set_width};
+
+    /// Points on a grid of so many steps: many distances are equal where these are few.
+    fn points(n: usize, d: usize, steps: u64, state: &mut u64) -> Vec<f64> {
+        let next = |_| {
+            *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            ((*state >> 33) % steps) as f64
+        };
+        (0..n * d).map(next).collect()
+    }
+
+    #[test]
+    fn ties_fall_in_scipys_order_on_every_width() {
+        let (mut state, mut work) = (1, Workspace::default());
+        for case in 0..600 {
+            let (m, n, d) = (1 + case % 11, 1 + case % 17, 1 + case % 5);
+            let steps = [3, 12, 1 << 20][case % 3];
+            let (x, y) = (points(m, d, steps, &mut state), points(n, d, steps, &mut state));
+            let x = Points::new("X", &x, d).unwrap();
+            let y = Points::new("Y", &y, d).unwrap();
+            let (c, p) = (0.4 * steps as f64, [1.0, 2.0, 3.0, 4.0][case % 4]);
+            let (cutoff, sets) = (Cutoff::new(c, p).unwrap(), Euclidean { x, y });
+            let (mut expected, never) = (Vec::new(), Interrupt::never());
+            in_order(sets, &cutoff, &mut work.exact, &mut expected, &never).unwrap();
+            for width in [Width::Scalar, Width::V3, Width::Widest] {
+                set_width(width);
+                let mut pairs = Vec::new();
+                let found = gospa(x, y, (c, p, 2.0), &mut work, &mut pairs, &never).unwrap();
+                assert_eq!(pairs, expected, "{m} {n} {d} {steps} {p}");
+                let total = sum(sets, &cutoff, &expected);
+                assert!((found.localization - total).abs() <= 1e-13 * total);
+            }
+        }
+    }
 }

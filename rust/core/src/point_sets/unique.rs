@@ -5,9 +5,10 @@
 //! pairs.
 
 use super::cutoff::Cutoff;
-use super::matching::{ALONE, NONE, Workspace};
+use super::matching::{ALONE, Workspace};
 use super::sets::Sets;
 use crate::assignment::exchange::TOLERANCE;
+use crate::simd::{LANE, small_integer};
 use pulp::Simd;
 
 impl Workspace {
@@ -58,8 +59,13 @@ impl Workspace {
             if self.reach(row, alone) >= alone {
                 edges.push([row, outside]);
             }
-            if self.count_columns(simd, row, alone) != 1.0 {
-                self.add_columns(simd, row, alone, edges);
+            let (count, sum) = self.count_columns(simd, row, alone);
+            // The other of two is known by the sum of their places.
+            let other = self.row_of_column.get(small_integer(sum - f64::from(own(row))));
+            match other {
+                _ if count == 1.0 => {}
+                Some(&owner) if count == 2.0 => edges.push([row, owner.min(outside)]),
+                _ => self.add_columns(simd, row, alone, edges),
             }
         }
         if edges.iter().any(|edge| edge[1] == outside) {
@@ -74,15 +80,17 @@ impl Workspace {
         }
     }
 
-    /// How many columns a row could have for nothing, its own among them.
+    /// How many columns a row could have for nothing, its own among them, and the sum of their places.
     #[inline(always)]
-    fn count_columns<S: Simd>(&self, simd: S, row: u32, alone: f64) -> f64 {
+    fn count_columns<S: Simd>(&self, simd: S, row: u32, alone: f64) -> (f64, f64) {
         let (none, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        let mut count = none;
+        let (mut count, mut sum, mut place) = (none, none, S::as_simd_f64s(&LANE).0[0]);
         for is_edge in self.columns_for_nothing(simd, row, alone) {
             count = simd.add_f64s(count, simd.select_f64s(is_edge, one, none));
+            sum = simd.add_f64s(sum, simd.select_f64s(is_edge, place, none));
+            place = simd.add_f64s(place, simd.splat_f64s(S::F64_LANES as f64));
         }
-        simd.reduce_sum_f64s(count)
+        (simd.reduce_sum_f64s(count), simd.reduce_sum_f64s(sum))
     }
 
     #[inline(always)]
@@ -100,7 +108,7 @@ impl Workspace {
             let columns = lanes.clone().zip(&self.row_of_column[lanes]);
             // No branch: which columns these are is as good as random.
             for ((j, &owner), (&cost, &dual)) in columns.zip(costs) {
-                edges[count][1] = if owner == NONE { self.rows as u32 } else { owner };
+                edges[count][1] = owner.min(self.rows as u32);
                 let is_tight = (cost < alone) & (cost - dual <= reach);
                 count += usize::from(is_tight & (j as u32 != own));
             }
