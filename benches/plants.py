@@ -257,9 +257,44 @@ def in_space() -> Plant:
     )
 
 
+def accelerating() -> Plant:
+    """Along a line, constant acceleration; one ranging sensor of 3 m every second."""
+    F, Q = _chain(3, 1.0, 0.3)
+    H = np.array([[1.0, 0.0, 0.0]])
+    return Plant(
+        "accelerating",
+        F,
+        Q,
+        [Sensor("range", H, np.array([[9.0]]))],
+        np.diag([9.0, 25.0, 4.0]),
+        np.array([1 / 6, 0.5, 1.0]),
+        np.array([0.0, 5.0, 4.0]),
+        ("s", "v", "a"),
+    )
+
+
+def doppler() -> Plant:
+    """Along a line, constant velocity; a radar of range and speed and a ranging sensor take turns
+    every 3 s."""
+    F, Q = _chain(2, 3.0, 0.8)
+    H = np.eye(2)
+    return Plant(
+        "doppler",
+        F,
+        Q,
+        [Sensor("radar", H, np.diag([64.0, 4.0])), Sensor("range", H[:1], np.array([[36.0]]))],
+        np.diag([64.0, 49.0]),
+        np.array([4.5, 3.0]),
+        np.array([0.0, 6.0]),
+        ("s", "v"),
+    )
+
+
 PLANTS: dict[str, Callable[[], Any]] = {
     "two sensors": two_sensors,
     "one range": one_range,
     "depth": depth,
     "in space": in_space,
+    "accelerating": accelerating,
+    "doppler": doppler,
 }

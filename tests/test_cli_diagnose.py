@@ -36,6 +36,18 @@ def test_the_table_has_a_line_and_a_paragraph_a_track(logs, capsys):
     assert lines[3].startswith("track: late divergence, honest at first")
 
 
+def test_times_count_from_the_start_of_the_log(tmp_path, capsys):
+    rng = np.random.default_rng(0)
+    nis = rng.chisquare(2, 60) * np.where(np.arange(60) < 40, 1, 9)
+    log = EstimatorLog.from_columns(nis=nis, nis_dof=2, time=1771931555.5 + 10 * np.arange(60))
+    log.write(tmp_path / "epoch.jsonl")
+    assert main(["diagnose", str(tmp_path / "epoch.jsonl")]) == 0
+    out = capsys.readouterr().out
+    assert out.splitlines()[1].split()[5:7] == ["400", "s"]
+    assert out.count("Times count from the start of the log, 2026-02-24 11:12:35 UTC.") == 1
+    assert "17719" not in out
+
+
 def test_json_is_json_and_has_no_nan(logs, capsys):
     assert main(["diagnose", str(logs / "honest.jsonl"), "--format", "json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)

@@ -66,6 +66,16 @@ def test_a_constant_number_of_components_does_not_overrule_what_is_there():
     assert logged.columns.nis_dof.tolist() == [2.0, 2.0]
 
 
+def test_a_logged_nees_is_of_all_states_unless_the_log_says_otherwise():
+    columns = {"nees": [4.0, 4.0, 4.0], "error": [[k, NAN, 2.0] for k in (1.0, 2.0, 3.0)]}
+    alone = EstimatorLog.from_columns(**columns)
+    assert alone.columns.nees_dof.tolist() == [3.0, 3.0, 3.0]
+    said = EstimatorLog.from_columns(**columns, nees_dof=2)
+    assert said.columns.nees_dof.tolist() == [2.0, 2.0, 2.0]
+    shown = EstimatorLog.from_columns(**columns, P=[np.eye(3), None, np.eye(3)])
+    assert shown.columns.nees_dof.tolist() == [2.0, 3.0, 2.0]
+
+
 def test_innovations_and_errors_follow_component_by_component():
     log = EstimatorLog.from_columns(
         z=[[NAN, 350.0]], x_pred=[[1.0, 5.0, 0.0]], observed=[["east", "course"]],

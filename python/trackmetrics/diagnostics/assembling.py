@@ -75,7 +75,7 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
     biases = _innovation_biases(evidence, found.offsets) + _state_biases(evidence.log, errors)
     attribution = None if nees is None else _attribution(nees, columns)
     states = state_records(columns, evidence.log.states, _onset(nis, nees), attribution)
-    log, gaps = evidence.log, np.diff(columns.time)
+    log, (gap, gap_time) = evidence.log, _longest_gap(columns.time)
     return TrackDiagnosis(
         track=log.tracks[evidence.index],
         verdict=verdict,
@@ -92,13 +92,22 @@ def assemble(evidence: Evidence) -> TrackDiagnosis:
         repeated=log.repeated[evidence.index],
         start_time=float(columns.time[0]),
         stop_time=float(columns.time[-1]),
-        longest_gap=float(gaps.max()) if len(gaps) else float("nan"),
-        longest_gap_time=float(columns.time[int(np.argmax(gaps))]) if len(gaps) else None,
+        longest_gap=gap,
+        longest_gap_time=gap_time,
         observed=_observed(columns, log.state_names),
         notes=_notes(evidence),
         time_unit=log.time_unit,
         log_start=log.start_time,
     )
+
+
+def _longest_gap(time: Floats) -> tuple[float, float | None]:
+    """The longest time between two updates, and when it begins."""
+    gaps = time[1:] - time[:-1]
+    if not len(gaps):
+        return float("nan"), None
+    longest = int(gaps.argmax())
+    return float(gaps[longest]), float(time[longest])
 
 
 def combined(nis: str, nees: str | None) -> str:

@@ -180,11 +180,11 @@ def _nees_dof(columns: Columns, states: int) -> Floats | None:
     """How many components error and covariance have; all states where the NEES stands alone."""
     if columns.nees is None:
         return None
-    dof = np.where(np.isnan(columns.nees), np.nan, float(states))
-    if columns.error is None or columns.P is None:
-        return dof
-    own: Floats = _filled(_count(columns.error, columns.P), dof)
-    return own
+    dof = np.full(len(columns), float(states))
+    if columns.error is not None and columns.P is not None:
+        own = components(columns.error, columns.P).sum(axis=1)
+        dof = np.where(own > 0, own, dof)
+    return np.where(np.isnan(columns.nees), np.nan, dof)
 
 
 def _count(vectors: Floats, covariances: Floats | None) -> Floats:
