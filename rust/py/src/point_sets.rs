@@ -1,6 +1,6 @@
 //! Binding of `trackmetrics_core::point_sets`.
 
-use crate::convert::{Floats, FrameSequence, PointSet};
+use crate::convert::{Floats, FrameSequence, PointSet, number};
 use crate::error::raise;
 use crate::interrupt::detached;
 use crate::results::ospa_result;
@@ -60,8 +60,8 @@ pub(crate) fn ospa<'py>(
     py: Python<'py>,
     x: &Bound<'py, PyAny>,
     y: &Bound<'py, PyAny>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
     let result = run(py, smaller(&x, &y), |work, interrupt| {
@@ -76,8 +76,8 @@ pub(crate) fn ospa_over_time<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
     let output = run(py, x.size().min(y.size()), |_, interrupt| {
@@ -94,8 +94,8 @@ pub(crate) fn ospa_over_time<'py>(
 pub(crate) fn ospa_from_distances<'py>(
     py: Python<'py>,
     distances: Floats<'_, 2>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
     let result = run(py, distances.values.len(), |work, interrupt| {
         ospa_kernel::ospa_from_distances(given(&distances)?, c, p, work, interrupt)
@@ -109,8 +109,8 @@ pub(crate) fn ospa_assignment<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Pairs<'py>> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
     let pairs = run(py, smaller(&x, &y), |work, interrupt| {
@@ -125,9 +125,9 @@ pub(crate) fn gospa<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
-    alpha: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
+    #[pyo3(from_py_with = number)] alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
     let (x, y) = (PointSet::read("X", x)?, PointSet::read("Y", y)?);
     let (result, pairs) = run(py, smaller(&x, &y), |work, interrupt| {
@@ -143,9 +143,9 @@ pub(crate) fn gospa<'py>(
 pub(crate) fn gospa_from_distances<'py>(
     py: Python<'py>,
     distances: Floats<'_, 2>,
-    c: f64,
-    p: f64,
-    alpha: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
+    #[pyo3(from_py_with = number)] alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
     let (result, pairs) = run(py, distances.values.len(), |work, interrupt| {
         let (sets, mut pairs) = (given(&distances)?, Vec::new());
@@ -161,9 +161,9 @@ pub(crate) fn gospa_over_time<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
-    alpha: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
+    #[pyo3(from_py_with = number)] alpha: f64,
 ) -> PyResult<Columns<'py>> {
     let (x, y) = (FrameSequence::read("X_sequence", x)?, FrameSequence::read("Y_sequence", y)?);
     let output = run(py, x.size().min(y.size()), |_, interrupt| {
