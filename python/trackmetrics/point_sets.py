@@ -89,7 +89,7 @@ def ospa(
 def ospa_over_time(
     X_sequence: Any, Y_sequence: Any, c: float = 100.0, p: float = 2.0
 ) -> NDArray[np.float64]:
-    """OSPA distance at every time step of two sequences of point sets.
+    """OSPA distance at every frame of two sequences of point sets.
 
     Entry t is ``ospa(X_sequence[t], Y_sequence[t], c, p).ospa``.
 
@@ -112,8 +112,8 @@ def ospa_over_time(
     Raises
     ------
     ValueError
-        Where the sequences are not equally long, and as in ``ospa``; the message names the time
-        step and the point.
+        Where the sequences are not equally long, and as in ``ospa``; the message names the frame
+        and the point.
 
     Notes
     -----
@@ -329,7 +329,7 @@ def gospa_from_distances(
 def gospa_over_time(
     X_sequence: Any, Y_sequence: Any, c: float, p: float = 2.0, alpha: float = 2.0
 ) -> GOSPASequence:
-    """GOSPA at every time step of two sequences of point sets.
+    """GOSPA at every frame of two sequences of point sets.
 
     Entry t of each field is that of ``gospa(X_sequence[t], Y_sequence[t], c, p, alpha)``.
 
@@ -348,8 +348,8 @@ def gospa_over_time(
     Raises
     ------
     ValueError
-        Where the sequences are not equally long, and as in ``gospa``; the message names the time
-        step and the point.
+        Where the sequences are not equally long, and as in ``gospa``; the message names the frame
+        and the point.
 
     Examples
     --------

@@ -201,7 +201,7 @@ def _check_sequences(x: Frames, y: Frames) -> None:
     """Refuse sequences that are not equally long, or whose points differ in dimension."""
     lengths = len(x[1]) - 1, len(y[1]) - 1
     if lengths[0] != lengths[1]:
-        raise errors.length("Y_sequence", lengths[1], "X_sequence", lengths[0], "time steps")
+        raise errors.length("Y_sequence", lengths[1], "X_sequence", lengths[0], "frames")
     if len(x[0]) and len(y[0]) and x[0].shape[1] != y[0].shape[1]:
         raise errors.dimension("Y_sequence", [], y[0].shape[1], x[0].shape[1])
 

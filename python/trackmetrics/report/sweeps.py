@@ -43,7 +43,7 @@ def sweep_figure(
     states
         Names of the states, with their units.
     step
-        Seconds from one time step to the next; None counts time steps.
+        Seconds from one step to the next; None counts steps.
     backend
         ``"matplotlib"`` or ``"plotly"``.
     dark
@@ -91,7 +91,7 @@ def sweep_scene(result: SweepResult, states: Sequence[str] | None, step: float |
         raise ValueError(f"states has {len(names)} names, the filter has {n}")
     top, lower = frame.rows(_title_room(result), [250.0, 210.0], 72.0)
     time = floats(np.arange(result.rmse.shape[1]) * (1.0 if step is None else step))
-    axis = "time step" if step is None else "time (s)"
+    axis = "step" if step is None else "time (s)"
     panels = [_honesty(result, time, axis, top)]
     columns = frame.columns(lower.top, lower.height, n)
     panels += [
