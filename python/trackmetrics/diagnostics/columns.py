@@ -151,6 +151,8 @@ def lengths(column: Floats) -> Integers:
 
 def present(column: Floats) -> NDArray[np.bool_]:
     """Which rows of a column have a value."""
+    if not len(column):
+        return np.zeros(0, bool)
     there: NDArray[np.bool_] = np.logical_not(np.isnan(column.reshape(len(column), -1)).all(axis=1))
     return there
 
