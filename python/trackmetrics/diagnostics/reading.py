@@ -4,9 +4,11 @@ import csv
 import json
 import re
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from trackmetrics._progress import lines
 from trackmetrics.diagnostics.building import KNOWN, Header, build
 from trackmetrics.diagnostics.columns import WORDS
 from trackmetrics.diagnostics.log import EstimatorLog, State
@@ -25,6 +27,7 @@ def read_log(
     angles: Mapping[str | int, float] | None = None,
     measurement_angles: Mapping[str, Mapping[int, float]] | None = None,
     time_unit: str | None = None,
+    progress: bool = False,
 ) -> EstimatorLog:
     """Read a log from a ``.jsonl``, ``.csv`` or ``.parquet`` file.
 
@@ -41,6 +44,9 @@ def read_log(
         Names of the file's columns where they differ: ``{"nis_dof": "df", "std": ["s0", "s1"]}``.
     states, state_dim, angles, measurement_angles, time_unit
         As in :meth:`EstimatorLog.from_columns`; they override the file's header.
+    progress
+        Whether a bar on standard error shows how much of a ``.jsonl`` or ``.csv`` file is read,
+        where it takes longer than a second (needs the extra ``progress``).
 
     Returns
     -------
@@ -64,7 +70,7 @@ def read_log(
     readers = {".jsonl": _read_json_lines, ".csv": _read_csv, ".parquet": _read_parquet}
     if path.suffix not in readers:
         raise ValueError(f"path must end in {', '.join(readers)}, got {path.name!r}")
-    table, found = readers[path.suffix](path)
+    table, found = readers[path.suffix](path, progress)
     header = _header(found, states, state_dim, angles, measurement_angles, time_unit)
     try:
         return build(_chosen(table, columns or {}), header)
@@ -138,11 +144,11 @@ def _header(
     )
 
 
-def _read_json_lines(path: Path) -> tuple[Table, dict[str, Any]]:
+def _read_json_lines(path: Path, progress: bool) -> tuple[Table, dict[str, Any]]:
     header: dict[str, Any] = {}
     records = []
     with path.open(encoding="utf-8") as file:
-        for number, line in enumerate(file, 1):
+        for number, line in enumerate(lines(file, "reading") if progress else file, 1):
             if not line.strip():
                 continue
             record = _parse(path, number, line)
@@ -173,16 +179,15 @@ def _checked_header(path: Path, record: dict[str, Any]) -> dict[str, Any]:
     return record
 
 
-def _read_csv(path: Path) -> tuple[Table, dict[str, Any]]:
+def _read_csv(path: Path, progress: bool) -> tuple[Table, dict[str, Any]]:
     with path.open(encoding="utf-8", newline="") as file:
-        lines = file.read().splitlines(keepends=True)
-    header = {}
-    if lines and lines[0].startswith("# {"):
-        header = _checked_header(path, _parse(path, 1, lines[0][2:]))
-        lines = lines[1:]
-    reader = csv.reader(lines)
-    names = next(reader, [])
-    rows = [row for row in reader if row]
+        first = file.readline()
+        headed = first.startswith("# {")
+        header = _checked_header(path, _parse(path, 1, first[2:])) if headed else {}
+        others = lines(file, "reading") if progress else file
+        reader = csv.reader(others if headed else chain([first], others))
+        names = next(reader, [])
+        rows = [row for row in reader if row]
     for number, row in enumerate(rows):
         if len(row) != len(names):
             raise ValueError(
@@ -204,7 +209,7 @@ def _cell(name: str, text: str) -> Any:
         return text
 
 
-def _read_parquet(path: Path) -> tuple[Table, dict[str, Any]]:
+def _read_parquet(path: Path, _: bool) -> tuple[Table, dict[str, Any]]:
     import pyarrow.parquet
 
     table = pyarrow.parquet.read_table(path)
