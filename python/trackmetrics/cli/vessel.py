@@ -93,14 +93,14 @@ def _print_reading(recording: Recording) -> None:
 def _under_way(reports: Reports, least: int, moving: float) -> Reports:
     """The reports of the vessels that have enough of them and are under way."""
     chosen = []
-    for vessel in reports.vessels:
+    for rows in reports.rows_by_vessel().values():
         # A report without a usable speed is one of a vessel that lies still, more often than not.
-        speeds = np.nan_to_num(reports.z[reports.vessel == vessel, 2])
+        speeds = np.nan_to_num(reports.z[rows, 2])
         if len(speeds) >= least and np.median(speeds) > moving:
-            chosen.append(vessel)
+            chosen.append(rows)
     if not chosen:
         raise ValueError(f"no vessel has {least} reports and a median speed above {moving:g} kt")
-    return reports.take(np.isin(reports.vessel.astype(str), chosen))
+    return reports.take(np.sort(np.concatenate(chosen)))
 
 
 def _track(tracker: Tracker, reports: Reports) -> None:
