@@ -96,6 +96,6 @@ def test_the_number_of_threads_is_a_setting():
         assert trackmetrics.threads() == 1
     finally:
         trackmetrics.set_threads(before)
-    for wrong in (-1, 1.5):
-        with pytest.raises(ValueError, match="count must be a whole number of threads"):
+    for wrong, error in ((-1, ValueError), (1.5, TypeError)):
+        with pytest.raises(error, match="count must be a whole number"):
             trackmetrics.set_threads(wrong)

@@ -259,7 +259,7 @@ WRONG = [
         lambda: ospa([[1.0]], [[2.0]], distance=Mahalanobis(np.ones((2, 1, 1)))),
         "covariances has shape (2, 1, 1), expected (d, d) or one such for each point of X",
     ),
-    (lambda: gospa_over_time([[]], [], 1), "Y_sequence has 0 time steps, X_sequence has 1"),
+    (lambda: gospa_over_time([[]], [], 1), "Y_sequence has 0 frames, X_sequence has 1"),
 ]
 
 

@@ -213,7 +213,7 @@ def test_what_is_wrong_is_named(backend, sets, parameters, text):
 FRAMES = [[[0.0, 0.0]], [], [[1.0, 1.0], [2.0, 2.0]]]
 PACKED = np.zeros((3, 2))
 WRONG_SEQUENCES = [
-    (FRAMES[:2], FRAMES, "Y_sequence has 3 time steps, X_sequence has 2"),
+    (FRAMES[:2], FRAMES, "Y_sequence has 3 frames, X_sequence has 2"),
     (FRAMES, [*FRAMES[:2], [[1.0, 1.0], [NAN, 2.0]]], "Y_sequence[2][1] is not finite: nan"),
     ([[], [], [[INF]]], [[], [], []], "X_sequence[2][0] is not finite: inf"),
     (FRAMES, [[], [], [[1.0]]], "Y_sequence has 1 coordinates, expected 2"),

@@ -194,6 +194,12 @@ def test_what_is_not_available_is_not_used(sog, cog, kind):
     assert reports.kinds == (kind,)
 
 
+def test_a_track_without_an_update_is_diagnosed_as_too_little():
+    log = tracked(Reports.concatenate([straight(), straight(times=[300], vessel=["Gull"])])).log()
+    assert diagnose(log)["Gull"].verdict == "insufficient"
+    assert diagnose(tracked(straight(times=[0, 60])).log())["Tern"].verdict == "insufficient"
+
+
 # ------------------------------------------------------------------ hard places
 
 

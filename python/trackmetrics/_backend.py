@@ -80,9 +80,12 @@ def set_threads(count: int) -> None:
     The environment variable ``TRACKMETRICS_THREADS`` sets the same at import. Results have the same
     bits with one thread or with many.
     """
-    if count != int(count) or count < 0:
+    from trackmetrics import _check  # it imports NumPy, which choosing a backend does not owe
+
+    threads = _check.whole("count", count)
+    if not 0 <= threads < 2**31:
         raise ValueError(f"count must be a whole number of threads, at least 0, got {count!r}")
-    kernels.set_threads(int(count))
+    kernels.set_threads(threads)
 
 
 if "TRACKMETRICS_THREADS" in os.environ:

@@ -201,9 +201,48 @@ def nan_where_invalid(on_invalid: str) -> bool:
     return on_invalid == "nan"
 
 
-def fraction(argument: str, value: float) -> None:
+def number(argument: str, value: Any) -> float:
+    """A real number as a float; a word that reads as one is none."""
+    if isinstance(value, np.ndarray | np.generic):
+        readable = value.ndim == 0 and value.dtype.kind in "biuf"
+    else:
+        readable = not isinstance(value, str | bytes)
+    try:
+        if readable:
+            return float(value)
+    except OverflowError:
+        raise ValueError(f"{argument} is too large for a float64") from None
+    except TypeError:
+        pass
+    raise TypeError(f"{argument} must be a real number, got {_form(value)}")
+
+
+def numbers(**values: Any) -> list[float]:
+    """Each value as a float, named by its argument."""
+    return [number(argument, value) for argument, value in values.items()]
+
+
+def whole(argument: str, value: Any) -> int:
+    """A whole number as an int."""
+    try:
+        found = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{argument} must be a whole number, got {_form(value)}") from None
+    if not -(2**63) <= found < 2**63:
+        raise ValueError(f"{argument} is too large for an int64")
+    return found
+
+
+def _form(value: Any) -> str:
+    """What came, in a few words."""
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape} and dtype {value.dtype}"
+    return repr(value) if isinstance(value, str | None | complex) else type(value).__name__
+
+
+def fraction(argument: str, value: Any) -> None:
     """Refuse what is not between 0 and 1, both excluded."""
-    if not 0 < value < 1:
+    if not 0 < number(argument, value) < 1:
         raise errors.parameter(argument, "between 0 and 1, both excluded", value)
 
 
@@ -211,7 +250,10 @@ def indices(argument: str, values: Any, length: int) -> list[int]:
     """Indices of components, from a number, a slice, a mask or a sequence of numbers."""
     if isinstance(values, slice):
         return list(range(length))[values]
-    array = np.atleast_1d(np.asarray(values))
+    try:
+        array = np.atleast_1d(np.asarray(values))
+    except ValueError:
+        raise ValueError(f"{argument} is ragged: expected a list of whole numbers") from None
     if array.dtype.kind == "b" and array.shape == (length,):
         return [int(i) for i in np.flatnonzero(array)]
     if (array.size and array.dtype.kind not in "iu") or array.ndim != 1:
@@ -223,6 +265,14 @@ def axes(axis: Any) -> list[int] | None:
     """The axes that NumPy would understand by ``axis``."""
     if axis is None:
         return None
-    if isinstance(axis, Sequence):
-        return [operator.index(one) for one in axis]
-    return [operator.index(axis)]
+    if isinstance(axis, Sequence) and not isinstance(axis, str):
+        return [whole("axis", one) for one in axis]
+    return [whole("axis", axis)]
+
+
+def axis_of(array: Floats, axis: Any) -> int:
+    """An axis that the array has."""
+    found = whole("axis", axis)
+    if not -array.ndim <= found < array.ndim:
+        raise errors.axis(found, array.ndim)
+    return found

@@ -65,7 +65,10 @@ def times(argument: str, values: Any) -> Ids | None:
 def _one_axis(argument: str, values: Any) -> NDArray[Any]:
     if isinstance(values, str | bytes):
         raise TypeError(f"{argument} must be a list or array, got {type(values).__name__}")
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{argument} is ragged, expected shape (n,)") from None
     if array.ndim != 1:
         raise errors.shape(argument, array.shape, "(n,)")
     return array

@@ -192,6 +192,7 @@ def estimation_error_bounds(covariances: Any, sigma: float = 2.0) -> Floats:
     try:
         bounds = kernel(covariances, sigma)
     except NotPlain:
-        bounds = kernel(_check.floats("covariances", covariances), sigma)
+        covariances = _check.floats("covariances", covariances)
+        bounds = kernel(covariances, _check.number("sigma", sigma))
     result: Floats = bounds
     return result

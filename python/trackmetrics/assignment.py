@@ -183,7 +183,8 @@ def auction(
         return AuctionAssignment(*kernel(cost_matrix, epsilon, maximize))
     except NotPlain:
         costs = _check.cost_matrix(cost_matrix)
-        return AuctionAssignment(*kernel(costs, epsilon, maximize))
+        step = None if epsilon is None else _check.number("epsilon", epsilon)
+        return AuctionAssignment(*kernel(costs, step, maximize))
 
 
 def bottleneck_assignment(cost_matrix: Any) -> BottleneckAssignment:

@@ -166,6 +166,7 @@ def mmospa_approx(x: Any, w: Any, num_scans: int = 1) -> tuple[Floats, Order]:
     (array([0., 1.]), array([1, 0]))
     """
     hypotheses, weights = _hypotheses(x, w)
+    num_scans = _check.whole("num_scans", num_scans)
     if num_scans < 1:
         raise errors.parameter("num_scans", "at least 1", num_scans)
     n, count = hypotheses.shape[1:]

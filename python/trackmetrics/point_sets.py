@@ -82,14 +82,14 @@ def ospa(
     try:
         result: OSPAResult = kernel(X, Y, c, p)
     except NotPlain:
-        result = kernel(_check.points("X", X), _check.points("Y", Y), c, p)
+        result = kernel(_check.points("X", X), _check.points("Y", Y), *_check.numbers(c=c, p=p))
     return result
 
 
 def ospa_over_time(
     X_sequence: Any, Y_sequence: Any, c: float = 100.0, p: float = 2.0
 ) -> NDArray[np.float64]:
-    """OSPA distance at every time step of two sequences of point sets.
+    """OSPA distance at every frame of two sequences of point sets.
 
     Entry t is ``ospa(X_sequence[t], Y_sequence[t], c, p).ospa``.
 
@@ -112,8 +112,8 @@ def ospa_over_time(
     Raises
     ------
     ValueError
-        Where the sequences are not equally long, and as in ``ospa``; the message names the time
-        step and the point.
+        Where the sequences are not equally long, and as in ``ospa``; the message names the frame
+        and the point.
 
     Notes
     -----
@@ -137,7 +137,7 @@ def ospa_over_time(
     except NotPlain:
         X = _check.frames("X_sequence", X_sequence)
         Y = _check.frames("Y_sequence", Y_sequence)
-        distances = kernel(X, Y, c, p)
+        distances = kernel(X, Y, *_check.numbers(c=c, p=p))
     return distances
 
 
@@ -171,7 +171,7 @@ def ospa_from_distances(distances: Any, c: float = 100.0, p: float = 2.0) -> OSP
     try:
         result: OSPAResult = kernel(distances, c, p)
     except NotPlain:
-        result = kernel(_check.matrix("distances", distances), c, p)
+        result = kernel(_check.matrix("distances", distances), *_check.numbers(c=c, p=p))
     return result
 
 
@@ -209,7 +209,7 @@ def ospa_assignment(X: Any, Y: Any, c: float = 100.0, p: float = 2.0) -> NDArray
     try:
         pairs: NDArray[np.int64] = kernel(X, Y, c, p)
     except NotPlain:
-        pairs = kernel(_check.points("X", X), _check.points("Y", Y), c, p)
+        pairs = kernel(_check.points("X", X), _check.points("Y", Y), *_check.numbers(c=c, p=p))
     return pairs
 
 
@@ -284,7 +284,8 @@ def gospa(
     try:
         answer: _Gospa = kernel(X, Y, c, p, alpha)
     except NotPlain:
-        answer = kernel(_check.points("X", X), _check.points("Y", Y), c, p, alpha)
+        x, y = _check.points("X", X), _check.points("Y", Y)
+        answer = kernel(x, y, *_check.numbers(c=c, p=p, alpha=alpha))
     return GOSPAResult(*answer[0], answer[1])
 
 
@@ -320,14 +321,15 @@ def gospa_from_distances(
     try:
         answer: _Gospa = kernel(distances, c, p, alpha)
     except NotPlain:
-        answer = kernel(_check.matrix("distances", distances), c, p, alpha)
+        matrix = _check.matrix("distances", distances)
+        answer = kernel(matrix, *_check.numbers(c=c, p=p, alpha=alpha))
     return GOSPAResult(*answer[0], answer[1])
 
 
 def gospa_over_time(
     X_sequence: Any, Y_sequence: Any, c: float, p: float = 2.0, alpha: float = 2.0
 ) -> GOSPASequence:
-    """GOSPA at every time step of two sequences of point sets.
+    """GOSPA at every frame of two sequences of point sets.
 
     Entry t of each field is that of ``gospa(X_sequence[t], Y_sequence[t], c, p, alpha)``.
 
@@ -346,8 +348,8 @@ def gospa_over_time(
     Raises
     ------
     ValueError
-        Where the sequences are not equally long, and as in ``gospa``; the message names the time
-        step and the point.
+        Where the sequences are not equally long, and as in ``gospa``; the message names the frame
+        and the point.
 
     Examples
     --------
@@ -363,5 +365,5 @@ def gospa_over_time(
     except NotPlain:
         X = _check.frames("X_sequence", X_sequence)
         Y = _check.frames("Y_sequence", Y_sequence)
-        parts, counts = kernel(X, Y, c, p, alpha)
+        parts, counts = kernel(X, Y, *_check.numbers(c=c, p=p, alpha=alpha))
     return GOSPASequence(*parts, *counts)

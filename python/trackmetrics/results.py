@@ -167,7 +167,7 @@ class TrajectoryGOSPAResult:
 
 @dataclass(frozen=True, eq=False)
 class GOSPASequence:
-    """GOSPA at every time step of two sequences; each field has shape (T,)."""
+    """GOSPA at every frame of two sequences; each field has shape (T,)."""
 
     distance: NDArray[np.float64]
     """The distance, in the unit of the points; 0 is best."""

@@ -71,7 +71,8 @@ def mot_metrics(ground_truth: Any, estimates: Any, threshold: float = 10.0) -> M
         scores = kernel(ground_truth, estimates, threshold)
     except NotPlain:
         truth = _check.frames("ground_truth", ground_truth)
-        scores = kernel(truth, _check.frames("estimates", estimates), threshold)
+        found = _check.frames("estimates", estimates)
+        scores = kernel(truth, found, _check.number("threshold", threshold))
     return MOTMetrics(*scores)
 
 

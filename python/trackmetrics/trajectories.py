@@ -86,6 +86,7 @@ def ospa2(
     >>> ospa2(truth, tracks, c=10, p=1).ospa2
     array([0.        , 0.        , 6.66666667, 7.5       ])
     """
+    c, p, window, q = _check.numbers(c=c, p=p, window=window, q=p if q is None else q)
     x, y = _trajectories.read("truth", truth), _trajectories.read("tracks", tracks)
     clock = _trajectories.clock(x, y)
     when = clock if times is None else _evaluation_times(times)
@@ -100,7 +101,7 @@ def ospa2(
         np.searchsorted(clock, when, side="right"),
         c,
         p,
-        p if q is None else q,
+        q,
         base,
     )
     return OSPA2Result(when, *parts)
@@ -177,6 +178,7 @@ def trajectory_gospa(
     >>> result.totals()
     {'localization': 1.0, 'missed': 0.0, 'false': 0.0, 'switching': 2.0}
     """
+    c, gamma, p = _check.numbers(c=c, gamma=gamma, p=p)
     _check_parameters(c=c, gamma=gamma, p=p, base=base)
     x, y = _trajectories.read("truth", truth), _trajectories.read("tracks", tracks)
     _check_dimensions(x, y)

@@ -51,13 +51,13 @@ def test_ospa(backend):
     assert list(x) == [0, 1, 2, 3]
     assert list(y) == [0, 0.5, 1, 1.5]
     steps = report.ospa_figure(results, backend=backend)
-    assert labels(steps, backend)[0] == ["time step"]
+    assert labels(steps, backend)[0] == ["frame"]
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_gospa(backend):
     figure = report.gospa_figure(gospa(), backend=backend, dark=True)
-    assert labels(figure, backend) == (["time step"], ["GOSPA (m)", "parts (m²)"])
+    assert labels(figure, backend) == (["frame"], ["GOSPA (m)", "parts (m²)"])
     assert listed(figure, backend) == ["localization", "missed", "false"]
 
 
@@ -86,7 +86,7 @@ def test_rmse(backend):
     assert listed(figure, backend) == ["90 % interval", "RMSE"]
     with pytest.raises(ValueError, match="states has 1 names, the RMSE has 2 components"):
         report.rmse_figure(statistics, states=["x"], backend=backend)
-    with pytest.raises(ValueError, match="times has 2 time steps, the results have 3"):
+    with pytest.raises(ValueError, match="times has 2 steps, the results have 3"):
         report.rmse_figure(statistics, states=states, times=[0, 1], backend=backend)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from trackmetrics import errors as messages
-from trackmetrics._numpy.arguments import Floats, plain
+from trackmetrics._numpy.arguments import Floats, plain, plain_numbers
 
 
 def rmse(true_states: Floats, estimated_states: Floats, axes: Sequence[int] | None) -> Any:
@@ -41,6 +41,7 @@ def velocity_rmse(
 def estimation_error_bounds(covariances: Floats, sigma: float) -> Floats:
     """``sigma`` standard deviations of every state."""
     plain(covariances)
+    plain_numbers(sigma)
     if covariances.ndim < 2 or covariances.shape[-1] != covariances.shape[-2]:
         raise messages.shape("covariances", covariances.shape, "(..., d, d)")
     if not np.isfinite(sigma):

@@ -37,15 +37,21 @@ def positive(argument: str, value: float) -> None:
 
 
 def plain_ids(*arrays: Any) -> None:
-    """Refuse what is neither ``None`` nor a C-ordered int64 array of one axis."""
+    """Refuse what is not a C-ordered int64 array of one axis."""
     for array in arrays:
-        if array is not None and (
+        if (
             type(array) is not np.ndarray
             or array.dtype != np.int64
             or array.ndim != 1
             or not array.flags.c_contiguous
         ):
             raise errors.NotPlain
+
+
+def plain_numbers(*values: Any) -> None:
+    """Refuse what is not a float: the public function converts it."""
+    if not all(isinstance(value, float) for value in values):
+        raise errors.NotPlain
 
 
 def plain_points(*arrays: Any) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
-from trackmetrics._numpy.arguments import Floats, plain
+from trackmetrics._numpy.arguments import Floats, plain, plain_numbers
 
 Indices = NDArray[np.int64]
 
@@ -52,6 +52,7 @@ def auction(
     cost_matrix: Floats, epsilon: float | None, maximize: object
 ) -> tuple[Indices, Indices, float, float]:
     """A matching within a bound of the best one, by Bertsekas' auction with epsilon scaling."""
+    plain_numbers(0.0 if epsilon is None else epsilon)
     _matrix(cost_matrix)
     rows, columns = cost_matrix.shape
     tall = rows > columns

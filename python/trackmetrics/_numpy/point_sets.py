@@ -12,6 +12,7 @@ from trackmetrics._numpy.arguments import (
     finite,
     frames,
     plain,
+    plain_numbers,
     plain_points,
     positive,
 )
@@ -27,6 +28,7 @@ _POWERS = (1e-250, 1e250)  # where powers keep their digits
 
 def ospa(x: Floats, y: Floats, c: float, p: float) -> OSPAResult:
     """OSPA of one frame."""
+    plain_numbers(c, p)
     _check_sets(x, y)
     _check_cutoff(c, p)
     same_dimension(x, y)
@@ -35,6 +37,7 @@ def ospa(x: Floats, y: Floats, c: float, p: float) -> OSPAResult:
 
 def ospa_over_time(x: Frames, y: Frames, c: float, p: float) -> Floats:
     """OSPA of every frame of two sequences."""
+    plain_numbers(c, p)
     truth, estimates = frames("X_sequence", x), frames("Y_sequence", y)
     _check_cutoff(c, p)
     _check_sequences(x, y)
@@ -44,6 +47,7 @@ def ospa_over_time(x: Frames, y: Frames, c: float, p: float) -> Floats:
 
 def ospa_from_distances(distances: Floats, c: float, p: float) -> OSPAResult:
     """OSPA of one frame whose distances are given."""
+    plain_numbers(c, p)
     _check_distances(distances)
     _check_cutoff(c, p)
     return OSPAResult(*_ospa(distances, c, p))
@@ -51,6 +55,7 @@ def ospa_from_distances(distances: Floats, c: float, p: float) -> OSPAResult:
 
 def ospa_assignment(x: Floats, y: Floats, c: float, p: float) -> Pairs:
     """The pairs of OSPA closer than the cutoff."""
+    plain_numbers(c, p)
     _check_sets(x, y)
     _check_cutoff(c, p)
     same_dimension(x, y)
@@ -63,6 +68,7 @@ def ospa_assignment(x: Floats, y: Floats, c: float, p: float) -> Pairs:
 
 def gospa(x: Floats, y: Floats, c: float, p: float, alpha: float) -> tuple[GospaParts, Pairs]:
     """GOSPA of one frame: (distance, localization, missed, false, the two counts), pairs."""
+    plain_numbers(c, p, alpha)
     _check_sets(x, y)
     _check_setting(c, p, alpha)
     same_dimension(x, y)
@@ -73,6 +79,7 @@ def gospa_from_distances(
     distances: Floats, c: float, p: float, alpha: float
 ) -> tuple[GospaParts, Pairs]:
     """GOSPA of one frame whose distances are given."""
+    plain_numbers(c, p, alpha)
     _check_distances(distances)
     _check_setting(c, p, alpha)
     return _gospa(distances, distances**2, c, p, alpha)
@@ -82,6 +89,7 @@ def gospa_over_time(
     x: Frames, y: Frames, c: float, p: float, alpha: float
 ) -> tuple[list[Floats], list[NDArray[np.int64]]]:
     """GOSPA of every frame of two sequences: the fields as columns, the counts as integers."""
+    plain_numbers(c, p, alpha)
     truth, estimates = frames("X_sequence", x), frames("Y_sequence", y)
     _check_setting(c, p, alpha)
     _check_sequences(x, y)
@@ -193,7 +201,7 @@ def _check_sequences(x: Frames, y: Frames) -> None:
     """Refuse sequences that are not equally long, or whose points differ in dimension."""
     lengths = len(x[1]) - 1, len(y[1]) - 1
     if lengths[0] != lengths[1]:
-        raise errors.length("Y_sequence", lengths[1], "X_sequence", lengths[0], "time steps")
+        raise errors.length("Y_sequence", lengths[1], "X_sequence", lengths[0], "frames")
     if len(x[0]) and len(y[0]) and x[0].shape[1] != y[0].shape[1]:
         raise errors.dimension("Y_sequence", [], y[0].shape[1], x[0].shape[1])
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
-from trackmetrics._numpy.arguments import Floats, frames, plain_ids
+from trackmetrics._numpy.arguments import Floats, frames, plain_ids, plain_numbers
 from trackmetrics._numpy.assignment import solve
 
 Ids = NDArray[np.int64]
@@ -26,14 +26,18 @@ def track_purity(true_labels: Ids, estimated_labels: Ids) -> float:
 
 def track_fragmentation(true_labels: Ids, estimated_labels: Ids, time_indices: Ids | None) -> int:
     """How often the estimated label of a true label changes."""
-    plain_ids(true_labels, estimated_labels, time_indices)
+    plain_ids(true_labels, estimated_labels)
+    if time_indices is not None:
+        plain_ids(time_indices)
     _same_length(true_labels, estimated_labels, time_indices)
     return _changes(true_labels, estimated_labels, time_indices)
 
 
 def identity_switches(true_labels: Ids, estimated_labels: Ids, time_indices: Ids | None) -> int:
     """How often the true label of an estimated label changes."""
-    plain_ids(true_labels, estimated_labels, time_indices)
+    plain_ids(true_labels, estimated_labels)
+    if time_indices is not None:
+        plain_ids(time_indices)
     _same_length(true_labels, estimated_labels, time_indices)
     return _changes(estimated_labels, true_labels, time_indices)
 
@@ -57,6 +61,7 @@ def mot_metrics(
     ground_truth: Any, estimates: Any, threshold: float
 ) -> tuple[float, float, int, int, int, int]:
     """CLEAR MOT scores of frames whose list index is the identity."""
+    plain_numbers(threshold)
     truth, found = frames("ground_truth", ground_truth), frames("estimates", estimates)
     _check_frames(truth, found, threshold)
     switches = fragmentations = misses = false_positives = matches = 0

@@ -48,6 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
         columns={name: _names(value) for name, value in map(_pair, arguments.column)} or None,
         states=arguments.states.split(",") if arguments.states else None,
         angles={name: float(period) for name, period in map(_pair, arguments.angle)} or None,
+        progress=True,
     )
     found = diagnose(log)
     if arguments.html:

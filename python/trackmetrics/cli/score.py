@@ -54,8 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints the scores."""
-    truth = read_mot_challenge(arguments.truth).counted()
-    tracks = read_mot_challenge(arguments.tracks)
+    truth = read_mot_challenge(arguments.truth, progress=True).counted()
+    tracks = read_mot_challenge(arguments.tracks, progress=True)
     result = score(truth, tracks, arguments.threshold, arguments.cutoff, arguments.order)
     if arguments.format == "json":
         print(json.dumps(result.to_dict(), indent=2))

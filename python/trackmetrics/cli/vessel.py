@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from trackmetrics._progress import watched
 from trackmetrics.cli._verdicts import print_verdicts, write_html
 from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
 from trackmetrics.vessel import (
@@ -18,6 +19,9 @@ from trackmetrics.vessel import (
     predictive_nis,
     read_ais,
 )
+
+PART = 50_000
+"""Reports that are tracked in one go."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,14 +55,14 @@ def run(arguments: argparse.Namespace) -> int:
     """Read, track, diagnose, test the predictions; print and write."""
     names = ("time", "vessel", "lat", "lon", "sog", "cog")
     columns = {name: getattr(arguments, name) for name in names if getattr(arguments, name)}
-    recording = read_ais(arguments.recording, columns)
+    recording = read_ais(arguments.recording, columns, progress=True)
     _print_reading(recording)
     reports = _under_way(recording.reports, arguments.least, arguments.moving)
     settings = Settings.harbour() if arguments.settings == "harbour" else Settings()
     whole = np.ones(len(reports), bool)
     used = decimated(reports, arguments.decimate) if arguments.decimate else whole
     tracker = Tracker(settings)
-    tracker.add(reports.take(used))
+    _track(tracker, reports.take(used))
     absolute = tracker.log()
     log = _since_first_report(absolute, reports)
     diagnosis = diagnose(log)
@@ -89,14 +93,21 @@ def _print_reading(recording: Recording) -> None:
 def _under_way(reports: Reports, least: int, moving: float) -> Reports:
     """The reports of the vessels that have enough of them and are under way."""
     chosen = []
-    for vessel in reports.vessels:
+    for rows in reports.rows_by_vessel().values():
         # A report without a usable speed is one of a vessel that lies still, more often than not.
-        speeds = np.nan_to_num(reports.z[reports.vessel == vessel, 2])
+        speeds = np.nan_to_num(reports.z[rows, 2])
         if len(speeds) >= least and np.median(speeds) > moving:
-            chosen.append(vessel)
+            chosen.append(rows)
     if not chosen:
         raise ValueError(f"no vessel has {least} reports and a median speed above {moving:g} kt")
-    return reports.take(np.isin(reports.vessel.astype(str), chosen))
+    return reports.take(np.sort(np.concatenate(chosen)))
+
+
+def _track(tracker: Tracker, reports: Reports) -> None:
+    """The reports, which are in the order of time, in parts that a bar can count."""
+    parts = np.array_split(np.arange(len(reports)), max(1, len(reports) // PART))
+    for part in watched(parts, "tracking", len(parts), " parts"):
+        tracker.add(reports.take(part))
 
 
 def _since_first_report(log: EstimatorLog, reports: Reports) -> EstimatorLog:

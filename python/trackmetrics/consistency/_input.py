@@ -33,6 +33,14 @@ def degrees(df: Any, shape: tuple[int, ...]) -> Floats:
     return np.broadcast_to(array, shape)
 
 
+def components(values: Any) -> int:
+    """How many components the errors of runs have."""
+    shape = _check.floats("errors", values).shape
+    if len(shape) < 2:
+        raise errors.shape("errors", shape, "(N, ..., d)")
+    return int(shape[-1])
+
+
 def errors_of_runs(values: Any, covariances: Any, runs: int = 1) -> tuple[Floats, Floats]:
     """Errors ``(N, ..., d)`` of at least so many runs, and their covariances, checked."""
     p, e = _pair(("errors", values), ("covariances", covariances))

@@ -115,6 +115,7 @@ def average_nis(nis_values: Any, df: Any, *, axis: int = -1, confidence: float =
 
 def _independent(argument: str, values: Any, df: Any, axis: int, confidence: float) -> MeanTest:
     array = statistics(argument, values)
+    axis = _check.axis_of(array, axis)
     dof = degrees(df, array.shape).sum(axis)
     return mean_test(array.sum(axis), dof, 2 * dof, confidence)
 
@@ -156,6 +157,7 @@ def moving_average_nis(
     array([1. , 2.5, 2.5])
     """
     array = statistics("nis_values", nis_values)
+    window = _check.whole("window", window)
     if not 1 <= window <= array.shape[-1]:
         raise errors.parameter("window", f"between 1 and {array.shape[-1]}", window)
     dof = _windows(degrees(df, array.shape), window)
@@ -315,8 +317,10 @@ def covariance_scale(
     """
     array = statistics("values", values)
     _check.fraction("confidence", confidence)
+    correlation_time = _check.number("correlation_time", correlation_time)
     if not correlation_time >= 1:
         raise errors.parameter("correlation_time", "at least 1", correlation_time)
+    axis = None if axis is None else _check.axis_of(array, axis)
     total = array.sum(axis) / correlation_time
     dof = degrees(df, array.shape).sum(axis) / correlation_time
     lower, upper = _chi2.interval(dof, confidence)

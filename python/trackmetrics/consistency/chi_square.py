@@ -58,6 +58,7 @@ def consistency_test(
         mean, count = kernel(nees_or_nis_values)
     except NotPlain:
         mean, count = kernel(_check.floats("nees_or_nis_values", nees_or_nis_values))
+    df = _check.number("df", df)
     if not df > 0:
         raise errors.parameter("df", "positive", df)
     _check.fraction("confidence", confidence)

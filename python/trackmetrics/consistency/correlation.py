@@ -84,7 +84,7 @@ def whiteness(
 
 
 def _longest_lag(lags: int | None, count: int) -> int:
-    longest = max(1, min(10, count // 5)) if lags is None else lags
+    longest = max(1, min(10, count // 5)) if lags is None else _check.whole("lags", lags)
     if longest < 1:
         raise errors.parameter("lags", "at least 1", longest)
     if count < longest + 2:
@@ -107,7 +107,10 @@ def _is_mixed(innovations: Any) -> bool:
     """Whether vectors have different lengths."""
     if isinstance(innovations, np.ndarray) and innovations.dtype != object:
         return False
-    return len({np.shape(v) for v in innovations}) > 1
+    if not isinstance(innovations, Sequence):
+        return False
+    shapes = {np.shape(_check.floats(f"innovations[{k}]", v)) for k, v in enumerate(innovations)}
+    return len(shapes) > 1
 
 
 def _whitened_mixed(innovations: Any, covariances: Any) -> Floats:
@@ -183,6 +186,7 @@ def whiteness_across_runs(
     if v.ndim != 3:
         raise errors.shape("innovations", v.shape, "(N, K, m)")
     runs, count, m = v.shape
+    lag = _check.whole("lag", lag)
     if not 1 <= lag < count:
         raise errors.parameter("lag", f"between 1 and {count - 1}", lag)
     u = whitened(v, s)

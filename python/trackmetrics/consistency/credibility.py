@@ -6,7 +6,7 @@ import numpy as np
 
 from trackmetrics import _check, _chi2
 from trackmetrics._check import Floats
-from trackmetrics.consistency._input import errors_of_runs, nees_check, whitened
+from trackmetrics.consistency._input import components, errors_of_runs, nees_check, whitened
 from trackmetrics.consistency.results import CredibilityIndex, SignificanceTest
 
 _DECIBEL = 10 / np.log(10)
@@ -100,7 +100,7 @@ def inclination_index(
     """
     _check.fraction("confidence", confidence)
     logs = _log_ratios(errors, covariances, reference)
-    value, d = logs.mean(), np.shape(errors)[-1]
+    value, d = logs.mean(), components(errors)
     if reference == "sample":
         return CredibilityIndex(value, np.nan, np.nan, np.nan)
     special = _chi2.special()
@@ -114,7 +114,7 @@ def _log_ratios(errors: Any, covariances: Any, reference: str) -> Floats:
     """10 log10 rho of every run."""
     if reference not in ("sample", "expected"):
         raise ValueError(f"reference must be 'sample' or 'expected', got {reference!r}")
-    e, p = errors_of_runs(errors, covariances, runs=np.shape(errors)[-1])
+    e, p = errors_of_runs(errors, covariances, runs=components(errors))
     claimed = nees_check(e, p, "errors", "covariances")
     d = e.shape[-1]
     if reference == "sample":
@@ -177,7 +177,7 @@ def covariance_test(errors: Any, covariances: Any, *, confidence: float = 0.95) 
     False
     """
     _check.fraction("confidence", confidence)
-    e, p = errors_of_runs(errors, covariances, runs=np.shape(errors)[-1] + 1)
+    e, p = errors_of_runs(errors, covariances, runs=components(errors) + 1)
     count, d = e.shape
     w = _mean_square(whitened(e, p))
     factor = 1 - (2 * d * d + 3 * d - 1) / (6 * count * (d + 1))
@@ -261,9 +261,8 @@ def hotelling_test(errors: Any, *, confidence: float = 0.95) -> SignificanceTest
     (12.0, 0.0742)
     """
     _check.fraction("confidence", confidence)
-    e = _check.floats("errors", errors)
-    d = e.shape[-1] if e.ndim else 0
-    e, _ = errors_of_runs(e, np.eye(d), runs=d + 1)
+    d = components(errors)
+    e, _ = errors_of_runs(errors, np.eye(d), runs=d + 1)
     count = len(e)
     sample = np.atleast_2d(np.cov(e.T))
     form = float(nees_check(e.mean(0), sample, "errors", "the sample covariance"))

@@ -149,9 +149,25 @@ def update_identity(
         ("measurement_covariances", measurement_covariances),
         ("measurement_errors", measurement_errors),
     )
+    share = _check.number("tolerance", tolerance)
     noise = nees_check(v, r, "measurement_errors", "measurement_covariances")
-    before = _check.floats("predicted_nees", predicted_nees) + noise
-    after = _check.floats("nis_values", nis_values) + _check.floats("updated_nees", updated_nees)
+    before, nis_values, after = (
+        _as_updates(argument, values, noise.shape)
+        for argument, values in (
+            ("predicted_nees", predicted_nees),
+            ("nis_values", nis_values),
+            ("updated_nees", updated_nees),
+        )
+    )
+    before, after = before + noise, nis_values + after
     residual = before - after
     scale = np.maximum(np.abs(before), np.abs(after))
-    return UpdateIdentity(residual, np.abs(residual) <= tolerance * scale)
+    return UpdateIdentity(residual, np.abs(residual) <= share * scale)
+
+
+def _as_updates(argument: str, values: Any, shape: tuple[int, ...]) -> Floats:
+    """A value for each update."""
+    array = _check.floats(argument, values)
+    if array.shape != shape:
+        raise errors.shape(argument, array.shape, f"{shape}")
+    return array

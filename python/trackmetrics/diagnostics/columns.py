@@ -154,6 +154,8 @@ def components(vectors: Floats, covariances: Floats) -> NDArray[np.bool_]:
 
 def present(column: Floats) -> NDArray[np.bool_]:
     """Which rows of a column have a value."""
+    if not len(column):
+        return np.zeros(0, bool)
     there: NDArray[np.bool_] = np.logical_not(np.isnan(column.reshape(len(column), -1)).all(axis=1))
     return there
 

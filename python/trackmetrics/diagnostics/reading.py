@@ -19,6 +19,7 @@ def read_log(
     angles: Mapping[str | int, float] | None = None,
     measurement_angles: Mapping[str, Mapping[int, float]] | None = None,
     time_unit: str | None = None,
+    progress: bool = False,
 ) -> EstimatorLog:
     """Read a log from a ``.jsonl``, ``.csv`` or ``.parquet`` file.
 
@@ -35,6 +36,9 @@ def read_log(
         Names of the file's columns where they differ: ``{"nis_dof": "df", "std": ["s0", "s1"]}``.
     states, state_dim, angles, measurement_angles, time_unit
         As in :meth:`EstimatorLog.from_columns`; they override the file's header.
+    progress
+        Whether a bar on standard error shows how much of a ``.jsonl`` or ``.csv`` file is read,
+        where it takes longer than a second (needs the extra ``progress``).
 
     Returns
     -------
@@ -55,7 +59,7 @@ def read_log(
     EstimatorLog(1 track, 2 updates, columns: nis, nis_dof)
     """
     path = Path(path)
-    table, found = from_file(path)
+    table, found = from_file(path, progress)
     header = _header(found, states, state_dim, angles, measurement_angles, time_unit)
     try:
         return EstimatorLog(*build(chosen(table, columns or {}), header))

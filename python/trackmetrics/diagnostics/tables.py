@@ -4,9 +4,11 @@ import csv
 import json
 import re
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from trackmetrics._progress import lines
 from trackmetrics.diagnostics.columns import KNOWN, WORDS
 from trackmetrics.diagnostics.header import SCHEMA
 
@@ -14,12 +16,13 @@ Renaming = Mapping[str, str | Sequence[str]]
 Table = dict[str, list[Any]]
 
 
-def from_file(path: Path) -> tuple[Table, dict[str, Any]]:
-    """The table in a file, and its header; the ending says in which form it is."""
+def from_file(path: Path, progress: bool) -> tuple[Table, dict[str, Any]]:
+    """The table in a file, and its header; the ending says in which form it is. ``progress`` shows how
+    far it is."""
     readers = {".jsonl": _read_json_lines, ".csv": _read_csv, ".parquet": _read_parquet}
     if path.suffix not in readers:
         raise ValueError(f"path must end in {', '.join(readers)}, got {path.name!r}")
-    return readers[path.suffix](path)
+    return readers[path.suffix](path, progress)
 
 
 def from_frame(frame: Any) -> Table:
@@ -64,11 +67,11 @@ def _together(parts: Sequence[list[Any]]) -> list[list[Any] | None]:
     return rows
 
 
-def _read_json_lines(path: Path) -> tuple[Table, dict[str, Any]]:
+def _read_json_lines(path: Path, progress: bool) -> tuple[Table, dict[str, Any]]:
     header: dict[str, Any] = {}
     records = []
     with path.open(encoding="utf-8") as file:
-        for number, line in enumerate(file, 1):
+        for number, line in enumerate(lines(file, "reading") if progress else file, 1):
             if not line.strip():
                 continue
             record = _parse(path, number, line)
@@ -99,16 +102,15 @@ def _checked_header(path: Path, record: dict[str, Any]) -> dict[str, Any]:
     return record
 
 
-def _read_csv(path: Path) -> tuple[Table, dict[str, Any]]:
+def _read_csv(path: Path, progress: bool) -> tuple[Table, dict[str, Any]]:
     with path.open(encoding="utf-8", newline="") as file:
-        lines = file.read().splitlines(keepends=True)
-    header = {}
-    if lines and lines[0].startswith("# {"):
-        header = _checked_header(path, _parse(path, 1, lines[0][2:]))
-        lines = lines[1:]
-    reader = csv.reader(lines)
-    names = next(reader, [])
-    rows = [row for row in reader if row]
+        first = file.readline()
+        headed = first.startswith("# {")
+        header = _checked_header(path, _parse(path, 1, first[2:])) if headed else {}
+        others = lines(file, "reading") if progress else file
+        reader = csv.reader(others if headed else chain([first], others))
+        names = next(reader, [])
+        rows = [row for row in reader if row]
     for number, row in enumerate(rows):
         if len(row) != len(names):
             raise ValueError(
@@ -130,7 +132,7 @@ def _cell(name: str, text: str) -> Any:
         return text
 
 
-def _read_parquet(path: Path) -> tuple[Table, dict[str, Any]]:
+def _read_parquet(path: Path, _: bool) -> tuple[Table, dict[str, Any]]:
     import pyarrow.parquet
 
     table = pyarrow.parquet.read_table(path)

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._progress import watched
+
 _COLUMNS = ("frame", "id", "left", "top", "width", "height", "confidence")
 _NEEDED = 6
 
@@ -53,7 +55,7 @@ class Boxes:
         return np.split(order, starts)[1:-1]
 
 
-def read_mot_challenge(path: str | os.PathLike[str]) -> Boxes:
+def read_mot_challenge(path: str | os.PathLike[str], *, progress: bool = False) -> Boxes:
     """Read a MOTChallenge file of truth or results.
 
     Parameters
@@ -61,6 +63,10 @@ def read_mot_challenge(path: str | os.PathLike[str]) -> Boxes:
     path : str or path
         A text file with a line for each box: frame, id, left, top, width, height, and optionally a
         confidence and more, separated by commas. Blank lines are passed over.
+
+    progress : bool
+        Whether a bar on standard error shows how far it is, where it takes longer than a second
+        (needs the extra ``progress``).
 
     Returns
     -------
@@ -95,7 +101,9 @@ def read_mot_challenge(path: str | os.PathLike[str]) -> Boxes:
     """
     rows: list[list[float]] = []
     lines: dict[tuple[float, float], int] = {}
-    for number, line in enumerate(_text(path).splitlines(), start=1):
+    found = _text(path).splitlines()
+    seen = watched(found, "reading", len(found), " lines") if progress else found
+    for number, line in enumerate(seen, start=1):
         if not line.strip():
             continue
         row = _row(f"{os.fspath(path)}:{number}", line)

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
+
+from trackmetrics._progress import bar
 
 
 class Progress:
@@ -11,7 +13,7 @@ class Progress:
     def __init__(self, wanted: bool | Callable[[int, int], None], total: int, done: int) -> None:
         self.done, self.total = done, total
         self._tell = wanted if callable(wanted) else None
-        self._bar = _bar(total, done) if wanted is True else None
+        self._bar = bar(total, "run", initial=done) if wanted is True else None
 
     def __enter__(self) -> Self:
         return self
@@ -32,12 +34,3 @@ class Progress:
             self._bar.update(runs)
         if self._tell is not None:
             self._tell(self.done, self.total)
-
-
-def _bar(total: int, done: int) -> Any:
-    """Runs per second and remaining time; nothing where nobody watches."""
-    try:
-        from tqdm import tqdm
-    except ImportError:
-        return None
-    return tqdm(total=total, initial=done, unit="run", disable=None, mininterval=0.2)

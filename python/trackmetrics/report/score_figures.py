@@ -21,7 +21,7 @@ def ospa_figure(
     Parameters
     ----------
     results
-        One :class:`trackmetrics.OSPAResult` a time step.
+        One :class:`trackmetrics.OSPAResult` a frame.
     times
         Times of the steps in seconds; without them the axis counts steps.
     unit
@@ -59,7 +59,7 @@ def gospa_figure(
 ) -> Any:
     """GOSPA over time, and below it its parts on each other: they add up to ``distance ** p``.
 
-    ``results`` is the result of a sequence, or one result a time step, with the fields
+    ``results`` is the result of a sequence, or one result a frame, with the fields
     ``distance``, ``localization``, ``missed`` and ``false``, computed with this ``p`` and
     ``alpha = 2``. The other parameters are those of :func:`ospa_figure`.
     """
@@ -77,7 +77,7 @@ def rmse_figure(
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
-    """RMSE of each state over Monte Carlo runs, with its interval at each time step.
+    """RMSE of each state over Monte Carlo runs, with its interval at each step.
 
     Parameters
     ----------

@@ -25,14 +25,14 @@ PARTS = ("track-0", "track-1", "track-2")
 
 
 class TimeAxis:
-    """Steps by their index, or minutes since the first where the times (in seconds) are known."""
+    """Frames or steps by their index, or minutes since the first where their times are known."""
 
-    def __init__(self, times: Any, count: int) -> None:
+    def __init__(self, times: Any, count: int, word: str) -> None:
         given = np.arange(count) if times is None else floats(times)
         if len(given) != count:
-            raise ValueError(f"times has {len(given)} time steps, the results have {count}")
+            raise ValueError(f"times has {len(given)} {word}s, the results have {count}")
         self.x: Floats = floats(given if times is None else (given - given[0]) / 60.0)
-        self.label = "time step" if times is None else "minutes since start"
+        self.label = word if times is None else "minutes since start"
         self.unit = "" if times is None else "min"
 
     @property
@@ -59,7 +59,7 @@ class TimeAxis:
 def ospa_scene(results: Any, times: Any, unit: str, title: str) -> Scene:
     """The distance, and below it its two parts."""
     columns = [floats([getattr(r, name) for r in results]) for name in _OSPA]
-    axis = TimeAxis(times, len(columns[0]))
+    axis = TimeAxis(times, len(columns[0]), "frame")
     lines = [
         Line(axis.x, values, role, 1.8, name=name)
         for name, values, role in zip(_OSPA[1:], columns[1:], PARTS[1:], strict=True)
@@ -75,7 +75,7 @@ _GOSPA = ("localization", "missed", "false")
 def gospa_scene(results: Any, times: Any, unit: str, p: float, title: str) -> Scene:
     """The distance, and below it its three parts on each other: they add up to its power."""
     distance, *parts = (_column(results, name) for name in ("distance", *_GOSPA))
-    axis = TimeAxis(times, len(distance))
+    axis = TimeAxis(times, len(distance), "frame")
     power = f"{unit}{_POWERS.get(p, f'^{p:g}')}"
     bands: list[Mark] = []
     below = np.zeros_like(distance)
@@ -122,7 +122,7 @@ def _over_time(
             legend=True,
         ),
     )
-    mean = f"{len(distance)} time steps"
+    mean = f"{len(distance)} frames"
     return Scene(frame.width, below.top + below.height + frame.bottom, panels, title, mean)
 
 
@@ -132,7 +132,7 @@ def rmse_scene(statistics: Any, times: Any, states: Sequence[State], title: str)
     interval = np.asarray(statistics.rmse_interval, np.float64)
     if len(states) != rmse.shape[1]:
         raise ValueError(f"states has {len(states)} names, the RMSE has {rmse.shape[1]} components")
-    axis, frame = TimeAxis(times, len(rmse)), Frame(left=84.0)
+    axis, frame = TimeAxis(times, len(rmse), "step"), Frame(left=84.0)
     places = frame.rows(TITLE_ROOM, [130.0] * len(states), 38.0)
     panels = []
     for j, (state, place) in enumerate(zip(states, places, strict=True)):

@@ -47,7 +47,7 @@ def sweep_figure(
     states
         Names of the states, with their units.
     step
-        Seconds from one time step to the next; None counts time steps.
+        Seconds from one step to the next; None counts steps.
     settings
         Places in ``result.grid`` of what is drawn; at most eight by default, those whose mean NEES
         is nearest to honest.
@@ -108,7 +108,7 @@ def sweep_scene(
         raise ValueError(f"states has {len(names)} names, the filter has {n}")
     top, lower = frame.rows(_title_room(len(drawn)), [250.0, 210.0], 72.0)
     time = floats(np.arange(result.rmse.shape[1]) * (1.0 if step is None else step))
-    axis = "time step" if step is None else "time (s)"
+    axis = "step" if step is None else "time (s)"
     panels = [_honesty(result, drawn, settings is None, time, axis, top)]
     columns = frame.columns(lower.top, lower.height, n)
     panels += [

@@ -107,8 +107,10 @@ def predictive_nis(
         before the first or after the last fused one, or of a track not yet active, are left out.
     """
     results = {}
+    of_vessel = held_out.rows_by_vessel()
+    nothing = np.empty(0, np.int64)
     for track in log:
-        rows = held_out.take(np.flatnonzero(held_out.vessel == track))
+        rows = held_out.take(of_vessel.get(track, nothing))
         found = _of_track(track, log[track], rows, settings)
         if found is not None:
             results[track] = found

@@ -17,7 +17,7 @@ reports are kept under the name ``MMSI#2``.
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._progress import lines, watched
 from trackmetrics.vessel.chains import ESTABLISHED, Chain, choose, steps_too_fast
 from trackmetrics.vessel.model import Floats
 from trackmetrics.vessel.reports import Reports
@@ -94,7 +95,11 @@ class Recording:
 
 
 def read_ais(
-    path: str | Path, columns: Mapping[str, str] | None = None, max_speed: float = MAX_SPEED
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    max_speed: float = MAX_SPEED,
+    *,
+    progress: bool = False,
 ) -> Recording:
     """Read a recording of AIS reports.
 
@@ -109,6 +114,9 @@ def read_ais(
         ones. Times are seconds, or dates as ISO 8601 says (UTC where no zone is given).
     max_speed : float
         Knots that no vessel makes.
+    progress : bool
+        Whether a bar on standard error shows how far it is, where it takes longer than a second
+        (needs the extra ``progress``).
 
     Returns
     -------
@@ -124,18 +132,21 @@ def read_ais(
     if path.suffix.lower() in (".nmea", ".nm4", ".aivdm", ".txt"):
         from trackmetrics.vessel.nmea import read_sentences
 
-        return screen(read_sentences(path), max_speed)
-    return screen(_read_csv(path, columns or {}), max_speed)
+        return screen(read_sentences(path), max_speed, progress=progress)
+    rows = _read_csv(path, columns or {}, progress)
+    return screen(rows, max_speed, progress=progress)
 
 
-def _read_csv(path: Path, mapping: Mapping[str, str]) -> list[dict[str, Any]]:
+def _read_csv(
+    path: Path, mapping: Mapping[str, str], progress: bool = False
+) -> list[dict[str, Any]]:
     import csv
 
     unknown = [name for name in mapping if name not in COLUMNS]
     if unknown:
         raise ValueError(f"columns: no column {unknown[0]!r}; a report has {', '.join(COLUMNS)}")
     with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.reader(file)
+        reader = csv.reader(lines(file, "reading") if progress else file)
         heading = next(reader, [])
         places = _places(heading, mapping)
         return [
@@ -164,15 +175,18 @@ def _places(heading: Sequence[str], mapping: Mapping[str, str]) -> dict[str, int
 # ------------------------------------------------------------------ screening
 
 
-def screen(rows: Sequence[Mapping[str, Any]], max_speed: float = MAX_SPEED) -> Recording:
+def screen(
+    rows: Sequence[Mapping[str, Any]], max_speed: float = MAX_SPEED, *, progress: bool = False
+) -> Recording:
     """The usable reports among rows of text or numbers; see :func:`read_ais`.
 
     >>> row = {"time": 0, "vessel": "1", "lat": 50, "lon": 1, "sog": 9.0, "cog": 360.0}
     >>> screen([row, row])
     Recording(Reports(1 reports, 1 identities), 2 rows, set aside: 1 duplicate)
     """
+    seen = watched(rows, "checking", len(rows), " rows") if progress else rows
     table = _Table(rows)
-    table.set_aside_unusable()
+    table.set_aside_unusable(seen)
     order = table.in_time()
     by_vessel: dict[str, list[int]] = {}
     for k in order:
@@ -210,10 +224,10 @@ class _Table:
     def put_aside(self, k: int, reason: str, detail: str) -> None:
         self.aside[k] = SetAside(k, reason, self.vessel[k] or None, detail)
 
-    def set_aside_unusable(self) -> None:
+    def set_aside_unusable(self, rows: Iterable[Mapping[str, Any]]) -> None:
         """Rows that cannot be used by themselves, and repetitions of whole rows."""
         seen: dict[tuple[Any, ...], int] = {}
-        for k, row in enumerate(self.rows):
+        for k, row in enumerate(rows):
             reason = self._unusable(k, row)
             if reason:
                 self.put_aside(k, *reason)

@@ -80,6 +80,14 @@ class Reports:
         """These reports."""
         return Reports(self.time[rows], self.vessel[rows], self.kind[rows], self.z[rows])
 
+    def rows_by_vessel(self) -> dict[str | None, NDArray[np.int64]]:
+        """The rows of every identity, in their order; identities as they first appear."""
+        codes: dict[str | None, int] = {}
+        code = np.array([codes.setdefault(v, len(codes)) for v in self.vessel], np.int64)
+        order = np.argsort(code, kind="stable")
+        bounds = np.searchsorted(code[order], np.arange(1, len(codes)))
+        return dict(zip(codes, np.split(order, bounds), strict=False))
+
     def __len__(self) -> int:
         """How many."""
         return len(self.time)

@@ -124,22 +124,25 @@ class Tracker:
             report of the call has been used then.
         """
         truths = _truths(truth, len(reports))
-        order = np.argsort(reports.time, kind="stable")
-        sources = order + self._seen
-        reports, truths = reports.take(order), truths[order]
+        sources = np.arange(self._seen, self._seen + len(reports))
+        if len(reports) > 1:
+            order = np.argsort(reports.time, kind="stable")
+            reports, truths, sources = reports.take(order), truths[order], sources[order]
         _refuse_what_is_not_finite(reports)
         self._seen += len(reports)
         for scan, rows in _scans(reports):
-            part = (reports.take(rows), truths[rows], sources[rows])
-            if scan:
-                self._take_positions(*part)
-            else:
-                self._take_identified(*part)
+            whole = isinstance(rows, slice)
+            part = reports if whole else reports.take(rows)
+            take = self._take_positions if scan else self._take_identified
+            take(part, truths[rows], sources[rows])
         if len(reports):
             self._clock = max(self._clock, float(reports.time[-1]))
 
     def _take_identified(self, reports: Reports, truths: Floats, sources: Integers) -> None:
         tracks = self._tracks_of(reports)
+        if len(tracks) == 1:
+            self._run(tracks, reports, truths, sources)
+            return
         order = np.argsort(tracks, kind="stable")
         self._run(tracks[order], reports.take(order), truths[order], sources[order])
 
@@ -176,8 +179,8 @@ class Tracker:
     def _run(self, tracks: Integers, reports: Reports, truths: Floats, sources: Integers) -> None:
         """Reports, sorted by track, through the filters."""
         fleet = self._fleet
-        used, first = np.unique(tracks, return_index=True)
-        starts = np.append(first, len(tracks)).astype(np.int64)
+        first = np.flatnonzero(np.concatenate([[True], tracks[1:] != tracks[:-1]]))
+        used, starts = tracks[first], np.concatenate([first, [len(tracks)]])
         state, rows = _backend.kernels.vessel_filter(
             fleet.life[used],
             fleet.x[used],
@@ -197,14 +200,9 @@ class Tracker:
 
     def _tracks_of(self, reports: Reports) -> Integers:
         """The track of each report by its identity."""
-        codes: dict[str, int] = {}
-        code = np.array([codes.setdefault(v, len(codes)) for v in reports.vessel], np.int64)
-        order = np.argsort(code, kind="stable")
-        bounds = np.searchsorted(code[order], np.arange(len(codes) + 1))
         tracks = np.empty(len(reports), np.int64)
-        for vessel, k in codes.items():
-            rows = order[bounds[k] : bounds[k + 1]]
-            tracks[rows] = self._tracks_of_vessel(vessel, reports, rows)
+        for vessel, rows in reports.rows_by_vessel().items():
+            tracks[rows] = self._tracks_of_vessel(str(vessel), reports, rows)
         return tracks
 
     def _tracks_of_vessel(self, vessel: str, reports: Reports, rows: Integers) -> Any:
@@ -212,7 +210,7 @@ class Tracker:
         chains = self._chains.setdefault(vessel, [])
         columns = (reports.time[rows], reports.z[rows, 0], reports.z[rows, 1])
         slack = SLACK * self._sigmas[reports.kind[rows], 0]
-        if len(chains) <= 1:
+        if len(chains) <= 1 < len(rows):
             if chains:
                 end = chains[0]
                 before = ([end.time], [end.lat], [end.lon], [end.slack])

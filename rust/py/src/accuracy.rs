@@ -1,5 +1,6 @@
 //! Binding of `trackmetrics_core::accuracy`.
 
+use crate::convert::number;
 use crate::error::raise;
 use crate::tensor::{Shaped, Tensor, detached};
 use pyo3::prelude::*;
@@ -65,7 +66,7 @@ pub(crate) fn velocity_rmse(
 pub(crate) fn estimation_error_bounds<'py>(
     py: Python<'py>,
     covariances: Tensor<'_>,
-    sigma: f64,
+    #[pyo3(from_py_with = number)] sigma: f64,
 ) -> PyResult<Shaped<'py>> {
     let covariances = covariances.named("covariances")?;
     let values = kernel::error_bounds(covariances, sigma).map_err(raise)?;

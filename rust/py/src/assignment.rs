@@ -1,6 +1,6 @@
 //! Binding of `trackmetrics_core::assignment`.
 
-use crate::convert::Floats;
+use crate::convert::{Floats, number_or_none};
 use crate::error::raise;
 use crate::interrupt::detached;
 use numpy::{PyArray1, PyArrayMethods};
@@ -121,7 +121,7 @@ fn matrix<'a>(item: &'a Bound<'_, PyAny>) -> PyResult<Matrix<'a>> {
 pub(crate) fn auction<'py>(
     py: Python<'py>,
     cost_matrix: Floats<'_, 2>,
-    epsilon: Option<f64>,
+    #[pyo3(from_py_with = number_or_none)] epsilon: Option<f64>,
     maximize: &Bound<'py, PyAny>,
 ) -> PyResult<(Indices<'py>, Indices<'py>, f64, f64)> {
     let (goal, Floats { values, shape: [rows, columns] }) = (goal(maximize)?, cost_matrix);

@@ -130,6 +130,16 @@ fn refuse(
     }
 }
 
+/// A number; anything else the public door names.
+pub(crate) fn number(object: &Bound<'_, PyAny>) -> PyResult<f64> {
+    object.extract().map_err(|_| not_plain(object.py()))
+}
+
+/// A number or `None`.
+pub(crate) fn number_or_none(object: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
+    if object.is_none() { Ok(None) } else { number(object).map(Some) }
+}
+
 /// A C-ordered float64 array of `N` axes.
 pub(crate) struct Floats<'a, const N: usize> {
     /// The elements.

@@ -1,6 +1,6 @@
 //! Binding of `trackmetrics_core::point_sets`.
 
-use crate::convert::{Floats, FrameSequence, PointSet};
+use crate::convert::{Floats, FrameSequence, PointSet, number};
 use crate::error::raise;
 use crate::interrupt::detached;
 use crate::results::ospa_result;
@@ -65,7 +65,7 @@ fn of_sets<T: Send>(
     })
 }
 
-/// Runs a kernel of two sequences of sets, which writes one result for each time step.
+/// Runs a kernel of two sequences of sets, which writes one result for each frame.
 fn of_sequences<T: Clone + Default + Send>(
     py: Python<'_>,
     x: &Bound<'_, PyAny>,
@@ -98,8 +98,8 @@ pub(crate) fn ospa<'py>(
     py: Python<'py>,
     x: &Bound<'py, PyAny>,
     y: &Bound<'py, PyAny>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
     let result =
         of_sets(py, x, y, |x, y, work, interrupt| ospa_kernel::ospa(x, y, c, p, work, interrupt))?;
@@ -112,8 +112,8 @@ pub(crate) fn ospa_over_time<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let output = of_sequences(py, x, y, |x, y, output, interrupt| {
         ospa_kernel::ospa_over_time(x, y, c, p, output, interrupt)
@@ -126,8 +126,8 @@ pub(crate) fn ospa_over_time<'py>(
 pub(crate) fn ospa_from_distances<'py>(
     py: Python<'py>,
     distances: Floats<'_, 2>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
     let result = of_distances(py, &distances, |distances, work, interrupt| {
         ospa_kernel::ospa_from_distances(distances, c, p, work, interrupt)
@@ -141,8 +141,8 @@ pub(crate) fn ospa_assignment<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
 ) -> PyResult<Pairs<'py>> {
     let pairs = of_sets(py, x, y, |x, y, work, interrupt| {
         ospa_kernel::ospa_assignment(x, y, c, p, work, interrupt)
@@ -156,9 +156,9 @@ pub(crate) fn gospa<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
-    alpha: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
+    #[pyo3(from_py_with = number)] alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
     let mut pairs = Vec::new();
     let result = of_sets(py, x, y, |x, y, work, interrupt| {
@@ -172,9 +172,9 @@ pub(crate) fn gospa<'py>(
 pub(crate) fn gospa_from_distances<'py>(
     py: Python<'py>,
     distances: Floats<'_, 2>,
-    c: f64,
-    p: f64,
-    alpha: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
+    #[pyo3(from_py_with = number)] alpha: f64,
 ) -> PyResult<(GospaParts, Pairs<'py>)> {
     let mut pairs = Vec::new();
     let result = of_distances(py, &distances, |distances, work, interrupt| {
@@ -189,9 +189,9 @@ pub(crate) fn gospa_over_time<'py>(
     py: Python<'py>,
     x: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
-    c: f64,
-    p: f64,
-    alpha: f64,
+    #[pyo3(from_py_with = number)] c: f64,
+    #[pyo3(from_py_with = number)] p: f64,
+    #[pyo3(from_py_with = number)] alpha: f64,
 ) -> PyResult<Columns<'py>> {
     let output = of_sequences(py, x, y, |x, y, output, interrupt| {
         gospa_kernel::gospa_over_time(x, y, (c, p, alpha), output, interrupt)

@@ -1,6 +1,6 @@
 //! Binding of `trackmetrics_core::tracking`.
 
-use crate::convert::{FrameSequence, Integers};
+use crate::convert::{FrameSequence, Integers, number};
 use crate::error::raise;
 use pyo3::prelude::*;
 use trackmetrics_core::tracking::{frames, labels as kernel};
@@ -18,7 +18,7 @@ pub(crate) fn mot_metrics(
     py: Python<'_>,
     ground_truth: &Bound<'_, PyAny>,
     estimates: &Bound<'_, PyAny>,
-    threshold: f64,
+    #[pyo3(from_py_with = number)] threshold: f64,
 ) -> PyResult<Scores> {
     let ground_truth = FrameSequence::read("ground_truth", ground_truth)?;
     let estimates = FrameSequence::read("estimates", estimates)?;

@@ -25,7 +25,7 @@ pub(super) fn check_sequences(x: Frames, y: Frames) -> Result<()> {
             found,
             other: "X_sequence",
             expected,
-            unit: "time steps",
+            unit: "frames",
         });
     }
     let (found, expected) = (y.dimension(), x.dimension());

@@ -1,0 +1,51 @@
+"""The bar: on a terminal only, after a second, and what is counted passes through unchanged."""
+
+import io
+import sys
+
+import pytest
+
+from trackmetrics import _progress
+from trackmetrics.cli import main
+from trackmetrics.vessel import read_ais
+
+
+class Terminal(io.StringIO):
+    """Standard error that somebody watches."""
+
+    def isatty(self):
+        return True
+
+
+@pytest.fixture
+def recording(tmp_path):
+    path = tmp_path / "run.csv"
+    rows = [f"{10 * k},1,50.0,{1 + 0.0007 * k},10,90\n" for k in range(500)]
+    path.write_text("time,mmsi,lat,lon,sog,cog\n" + "".join(rows), encoding="utf-8")
+    return path
+
+
+def test_a_bar_where_somebody_watches(recording, monkeypatch):
+    monkeypatch.setattr(_progress, "DELAY", 0.0)
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    watched = read_ais(recording, progress=True)
+    assert "reading" in terminal.getvalue()
+    assert "checking" in terminal.getvalue()
+    assert repr(watched) == repr(read_ais(recording))
+
+
+def test_no_bar_within_a_second(recording, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    read_ais(recording, progress=True)
+    assert "reading" not in terminal.getvalue()
+
+
+def test_no_bar_where_nobody_watches(recording, monkeypatch, capsys):
+    monkeypatch.setattr(_progress, "DELAY", 0.0)
+    assert main(["vessel", str(recording)]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_without_tqdm_there_is_none(monkeypatch):
+    monkeypatch.setitem(sys.modules, "tqdm", None)
+    assert list(_progress.watched(range(3), "counting", 3, "items")) == [0, 1, 2]
