@@ -17,8 +17,10 @@ Table = dict[str, list[Any]]
 
 
 def from_file(path: Path, progress: bool) -> tuple[Table, dict[str, Any]]:
-    """The table in a file, and its header; the ending says in which form it is. ``progress`` shows how
-    far it is."""
+    """The table in a file, and its header; the ending says in which form it is.
+
+    With ``progress`` a bar shows how much is read.
+    """
     readers = {".jsonl": _read_json_lines, ".csv": _read_csv, ".parquet": _read_parquet}
     if path.suffix not in readers:
         raise ValueError(f"path must end in {', '.join(readers)}, got {path.name!r}")

@@ -153,6 +153,10 @@ impl Load<V3> for Transposed {
             *vector = cast(*values);
             return;
         }
+        if let [x, y] = &mut *vectors {
+            [*x, *y] = pairs4(simd, records);
+            return;
+        }
         if let [x, y, z] = &mut *vectors {
             let rows = rows_of_three(records);
             [*x, *y, *z, _] = transpose4(simd, &rows.each_ref().map(std::slice::from_ref), 0);
@@ -207,9 +211,12 @@ impl Load<V4> for Transposed {
             *vector = cast(*values);
             return;
         }
+        if let [x, y] = &mut *vectors {
+            [*x, *y] = pairs8(simd, records);
+            return;
+        }
         if let [x, y, z] = &mut *vectors {
-            let rows = rows_of_three(records);
-            [*x, *y, *z, _] = transpose8(simd, &rows.each_ref().map(std::slice::from_ref), 0);
+            [*x, *y, *z] = triples8(simd, records);
             return;
         }
         transpose_rows8(simd, &rows::<8>(records, size, 8), vectors);
@@ -242,6 +249,49 @@ fn transpose_rows8(simd: V4, rows: &[&[f64]; 8], vectors: &mut [pulp::f64x8]) {
             *vector = cast(simd.avx512f._mm512_setr_pd(a, b, c, d, e, f, g, h));
         }
     }
+}
+
+/// The elements of four records of two.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn pairs4(simd: V3, records: &[f64]) -> [pulp::f64x4; 2] {
+    let (avx, [a, b]) = (simd.avx, whole::<4, 2>(records).map(cast));
+    let (x, y) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
+    [x, y].map(|mixed| cast(simd.avx2._mm256_permute4x64_pd::<0b11_01_10_00>(mixed)))
+}
+
+/// The elements of eight records of two.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn pairs8(simd: V4, records: &[f64]) -> [pulp::f64x8; 2] {
+    let (avx, [a, b]) = (simd.avx512f, whole::<8, 2>(records).map(cast));
+    let x = cast([0u64, 2, 4, 6, 8, 10, 12, 14]);
+    let y = cast([1u64, 3, 5, 7, 9, 11, 13, 15]);
+    [cast(avx._mm512_permutex2var_pd(a, x, b)), cast(avx._mm512_permutex2var_pd(a, y, b))]
+}
+
+/// The elements of eight records of three: from the first two vectors, then from the third.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn triples8(simd: V4, records: &[f64]) -> [pulp::f64x8; 3] {
+    let (avx, [a, b, c]) = (simd.avx512f, whole::<8, 3>(records).map(cast));
+    let x = avx._mm512_permutex2var_pd(a, cast([0u64, 3, 6, 9, 12, 15, 0, 0]), b);
+    let y = avx._mm512_permutex2var_pd(a, cast([1u64, 4, 7, 10, 13, 0, 0, 0]), b);
+    let z = avx._mm512_permutex2var_pd(a, cast([2u64, 5, 8, 11, 14, 0, 0, 0]), b);
+    [
+        cast(avx._mm512_permutex2var_pd(x, cast([0u64, 1, 2, 3, 4, 5, 10, 13]), c)),
+        cast(avx._mm512_permutex2var_pd(y, cast([0u64, 1, 2, 3, 4, 8, 11, 14]), c)),
+        cast(avx._mm512_permutex2var_pd(z, cast([0u64, 1, 2, 3, 4, 9, 12, 15]), c)),
+    ]
+}
+
+/// The first `K` vectors of `N` elements.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn whole<const N: usize, const K: usize>(records: &[f64]) -> [[f64; N]; K] {
+    let mut vectors = [[0.0; N]; K];
+    vectors.copy_from_slice(&records.as_chunks::<N>().0[..K]);
+    vectors
 }
 
 /// Rows of three, each with one element more, of the next row or any.
