@@ -131,7 +131,7 @@ def nees_inflation(
     through the basis of these.
     """
     plain(transitions, covariances)
-    plain_ids(starts, known)
+    plain_ids(starts, *([] if known is None else [known]))
     if len(transitions) != len(covariances):
         found, expected = len(transitions), len(covariances)
         raise messages.length("transitions", found, "covariances", expected, "matrices")
