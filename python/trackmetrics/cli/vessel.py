@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     print_verdicts(diagnosis)
     held_out = None
     if not used.all():
-        held_out = predictive_nis(absolute, reports.take(~used), settings)
+        held_out = predictive_nis(absolute, reports.take(~used), settings, progress=True)
         _print_predictions(held_out, diagnosis)
     if arguments.log:
         log.write(arguments.log)
