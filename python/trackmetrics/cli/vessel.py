@@ -53,6 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, track, diagnose, test the predictions; print and write."""
+    if arguments.decimate is not None and not arguments.decimate > 0:
+        raise ValueError(f"--decimate must be positive, got {arguments.decimate:g}")
     names = ("time", "vessel", "lat", "lon", "sog", "cog")
     columns = {name: getattr(arguments, name) for name in names if getattr(arguments, name)}
     recording = read_ais(arguments.recording, columns, progress=True)
