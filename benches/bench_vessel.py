@@ -26,41 +26,36 @@ def predict(x, p, dt):
     """Constant turn rate, Jacobian and Q, in plain NumPy."""
     lat, lon, sog, cog, rate = x
     h = 0.5 * rate * RADIAN * dt
-    a, way = cog * RADIAN + h, sog * KNOT * dt
-    s = np.sinc(h / np.pi)
-    slope = -h / 3 if abs(h) < 1e-4 else (h * np.cos(h) - np.sin(h)) / h**2
-    north, _ = metres(lat)
-    lat2 = lat + way * s * np.cos(a) / north
-    middle = 0.5 * (lat + lat2)
-    _, east = metres(middle)
+    a, way, s = cog * RADIAN + h, sog * KNOT * dt, np.sinc(h / np.pi)
     ca, sa = np.cos(a), np.sin(a)
-    d_n = np.array(
-        [
-            0,
-            0,
-            KNOT * dt * s * ca,
-            -way * s * sa * RADIAN,
-            (-way * s * sa + way * slope * ca) * 0.5 * dt * RADIAN,
-        ]
-    )
-    d_e = np.array(
-        [
-            0,
-            0,
-            KNOT * dt * s * sa,
-            way * s * ca * RADIAN,
-            (way * s * ca + way * slope * sa) * 0.5 * dt * RADIAN,
-        ]
-    )
+    lat2 = lat + way * s * ca / metres(lat)[0]
+    east = metres(0.5 * (lat + lat2))[1]
+    f = jacobian((h, s, way, ca, sa), lat, lat2, dt)
+    x = np.array([lat2, lon + way * s * sa / east, sog, (cog + rate * dt) % 360, rate])
+    p = f @ p @ f.T + process_noise(lat, sog * KNOT, ca, sa, dt)
+    return x, 0.5 * (p + p.T), f
+
+
+def jacobian(arc, lat, lat2, dt):
+    h, s, way, ca, sa = arc
+    slope = -h / 3 if abs(h) < 1e-4 else (h * np.cos(h) - np.sin(h)) / h**2
+    chord, half = KNOT * dt * s, 0.5 * dt * RADIAN
+    d_n = [0, 0, chord * ca, -way * s * sa * RADIAN, (-way * s * sa + way * slope * ca) * half]
+    d_e = [0, 0, chord * sa, way * s * ca * RADIAN, (way * s * ca + way * slope * sa) * half]
+    d_n, d_e = np.array(d_n), np.array(d_e)
+    middle = 0.5 * (lat + lat2)
+    north, east = metres(lat)[0], metres(middle)[1]
     f = np.eye(5)
     f[0] += d_n / north
     turn = way * s * sa / east * np.tan(middle * RADIAN) * RADIAN
     f[1] += d_e / east + turn * 0.5 * d_n / north
     f[1, 0] += turn
     f[3, 4] = dt
-    x = np.array([lat2, lon + way * s * sa / east, sog, (cog + rate * dt) % 360, rate])
+    return f
+
+
+def process_noise(lat, v, ca, sa, dt):
     qa, qw = SETTINGS.acceleration_density, SETTINGS.turn_density * RADIAN**2
-    v = sog * KNOT
     block = np.array(
         [
             [qa * dt**3 / 3, 0, qa * dt**2 / 2, 0, 0],
@@ -71,17 +66,9 @@ def predict(x, p, dt):
         ]
     )
     north, east = metres(lat)
-    g = np.array(
-        [
-            [ca / north, -sa / north, 0, 0, 0],
-            [sa / east, ca / east, 0, 0, 0],
-            [0, 0, 1 / KNOT, 0, 0],
-            [0, 0, 0, 1 / RADIAN, 0],
-            [0, 0, 0, 0, 1 / RADIAN],
-        ]
-    )
-    p = f @ p @ f.T + g @ block @ g.T
-    return x, 0.5 * (p + p.T), f
+    g = np.diag([ca / north, ca / east, 1 / KNOT, 1 / RADIAN, 1 / RADIAN])
+    g[0, 1], g[1, 0] = -sa / north, sa / east
+    return g @ block @ g.T
 
 
 def update(x, p, f, z, sigma):

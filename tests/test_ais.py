@@ -258,3 +258,19 @@ def test_the_vessel_table_says_where_all_is_well(capsys):
     run = vessel.fleet(1, duration=3600.0, interval=60.0, seed=4)
     print_verdicts(diagnose(run.track()))
     assert "Every filter is as honest as its updates can tell." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["vessel", "no.csv"], "trackmetrics vessel: no.csv: No such file or directory"),
+        (["diagnose", "no.csv"], "trackmetrics diagnose: no.csv: No such file or directory"),
+        (
+            ["vessel", "no.csv", "--decimate", "-5"],
+            "trackmetrics vessel: --decimate must be positive, got -5",
+        ),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_a_line(words, said, capsys):
+    assert main(words) == 2
+    assert capsys.readouterr().err == f"{said}\n"

@@ -1,4 +1,4 @@
-"""The bar: on a terminal only, after a second, and what is counted passes through unchanged."""
+"""The bar: on a terminal only, after a while, and what is counted passes through unchanged."""
 
 import io
 import sys
@@ -34,7 +34,7 @@ def test_a_bar_where_somebody_watches(recording, monkeypatch):
     assert repr(watched) == repr(read_ais(recording))
 
 
-def test_no_bar_within_a_second(recording, monkeypatch):
+def test_no_bar_for_what_is_soon_done(recording, monkeypatch):
     monkeypatch.setattr(sys, "stderr", terminal := Terminal())
     read_ais(recording, progress=True)
     assert "reading" not in terminal.getvalue()

@@ -1,4 +1,4 @@
-"""A bar on standard error for what takes longer than a second, where somebody watches.
+"""A bar on standard error for what takes a while, where somebody watches.
 
 It needs the extra ``progress``; without it, or where standard error is no terminal, there is none.
 """
@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator
 from typing import IO, Any, TypeVar
 
 Item = TypeVar("Item")
-DELAY = 1.0
-"""Seconds until a bar appears."""
+DELAY = 0.5
+"""Seconds until a bar appears: several come one after the other."""
 
 
 def bar(total: int, unit: str, **options: Any) -> Any:

@@ -184,12 +184,8 @@ def identity_switches(true_labels: Any, estimated_labels: Any, time_indices: Any
 
     Parameters
     ----------
-    true_labels, estimated_labels : array_like of shape (n,)
-        For each observation the target it belongs to and the track it was given to; anything
-        hashable.
-    time_indices : array_like of shape (n,), optional
-        The time of each observation: numbers, dates, anything that can be ordered. Equal times keep
-        the order in which they are given. Without it the observations stand in the order of time.
+    true_labels, estimated_labels, time_indices
+        As in :func:`track_fragmentation`.
 
     Returns
     -------
@@ -198,20 +194,13 @@ def identity_switches(true_labels: Any, estimated_labels: Any, time_indices: Any
 
     Raises
     ------
-    ValueError
-        Where the lists differ in length, have more than one axis, or hold a NaN.
-    TypeError
-        Where a label cannot be hashed, or times cannot be ordered.
+    ValueError, TypeError
+        As in :func:`track_fragmentation`.
 
     Notes
     -----
     py-motmetrics counts this as a transfer. CLEAR MOT's identity switch is the other view,
     `track_fragmentation`; the names here are those of ``pytcl.performance_evaluation``.
-
-    References
-    ----------
-    Bernardin and Stiefelhagen, "Evaluating multiple object tracking performance: the CLEAR MOT
-    metrics", EURASIP J. Image and Video Processing, 2008, doi:10.1155/2008/246309.
 
     Examples
     --------

@@ -39,7 +39,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(import_module(f"{__name__}.{parsed.command}").run(parsed))
     except (ValueError, TypeError, OSError, ImportError) as error:
-        print(f"trackmetrics {parsed.command}: {error}", file=sys.stderr)
+        print(f"trackmetrics {parsed.command}: {_words(error)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130
+
+
+def _words(error: Exception) -> str:
+    """What went wrong; of a file that cannot be used, which one and why."""
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)

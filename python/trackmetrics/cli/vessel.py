@@ -53,6 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, track, diagnose, test the predictions; print and write."""
+    if arguments.decimate is not None and not arguments.decimate > 0:
+        raise ValueError(f"--decimate must be positive, got {arguments.decimate:g}")
     names = ("time", "vessel", "lat", "lon", "sog", "cog")
     columns = {name: getattr(arguments, name) for name in names if getattr(arguments, name)}
     recording = read_ais(arguments.recording, columns, progress=True)
@@ -69,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     print_verdicts(diagnosis)
     held_out = None
     if not used.all():
-        held_out = predictive_nis(absolute, reports.take(~used), settings)
+        held_out = predictive_nis(absolute, reports.take(~used), settings, progress=True)
         _print_predictions(held_out, diagnosis)
     if arguments.log:
         log.write(arguments.log)

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _backend
+from trackmetrics._progress import watched
 from trackmetrics.diagnostics import EstimatorLog
 from trackmetrics.vessel.model import OBSERVED, Floats, Settings
 from trackmetrics.vessel.reports import Reports
@@ -87,7 +88,7 @@ class HeldOut:
 
 
 def predictive_nis(
-    log: EstimatorLog, held_out: Reports, settings: Settings
+    log: EstimatorLog, held_out: Reports, settings: Settings, *, progress: bool = False
 ) -> Mapping[str, HeldOut]:
     """Test a filter on the reports that it has not fused.
 
@@ -99,6 +100,9 @@ def predictive_nis(
         Reports with identity that were not added to the tracker.
     settings : Settings
         Those of the tracker.
+    progress : bool
+        Whether a bar on standard error counts the tracks, where it takes longer than a second
+        (needs the extra ``progress``).
 
     Returns
     -------
@@ -109,7 +113,7 @@ def predictive_nis(
     results = {}
     of_vessel = held_out.rows_by_vessel()
     nothing = np.empty(0, np.int64)
-    for track in log:
+    for track in watched(log, "predicting", len(log.tracks), " tracks") if progress else log:
         rows = held_out.take(of_vessel.get(track, nothing))
         found = _of_track(track, log[track], rows, settings)
         if found is not None:

@@ -184,9 +184,12 @@ def screen(
     >>> screen([row, row])
     Recording(Reports(1 reports, 1 identities), 2 rows, set aside: 1 duplicate)
     """
-    seen = watched(rows, "checking", len(rows), " rows") if progress else rows
-    table = _Table(rows)
-    table.set_aside_unusable(seen)
+    dated, checked = (
+        watched(rows, what, len(rows), " rows") if progress else rows
+        for what in ("reading dates", "checking")
+    )
+    table = _Table(rows, dated)
+    table.set_aside_unusable(checked)
     order = table.in_time()
     by_vessel: dict[str, list[int]] = {}
     for k in order:
@@ -210,11 +213,13 @@ def screen(
 class _Table:
     """The rows as columns, and which of them are set aside."""
 
-    def __init__(self, rows: Sequence[Mapping[str, Any]]) -> None:
+    def __init__(
+        self, rows: Sequence[Mapping[str, Any]], dated: Iterable[Mapping[str, Any]]
+    ) -> None:
         self.rows = rows
         self.aside: dict[int, SetAside] = {}
         self.vessel = [str(row.get("vessel") or "").strip() for row in rows]
-        self.time = np.array([_seconds(row.get("time")) for row in rows], np.float64)
+        self.time = np.array([_seconds(row.get("time")) for row in dated], np.float64)
         self.lat, self.lon, self.sog, self.cog = (
             np.array([_number(row.get(name, "")) for row in rows], np.float64)
             for name in ("lat", "lon", "sog", "cog")
