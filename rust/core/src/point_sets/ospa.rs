@@ -32,9 +32,10 @@ use std::ops::RangeInclusive;
 /// OSPA of order `p` and cutoff `c` between two sets.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a cutoff or an order that is not positive,
-/// [`crate::Error::Dimension`] for points of different dimensions, [`crate::Error::Memory`] for
-/// sets too large, [`crate::Error::Interrupted`].
+/// [`Error::Parameter`](crate::Error::Parameter) for a cutoff or an order that is not positive,
+/// [`Error::Dimension`](crate::Error::Dimension) for points of different dimensions,
+/// [`Error::Memory`](crate::Error::Memory) for sets too large,
+/// [`Error::Interrupted`](crate::Error::Interrupted).
 pub fn ospa(
     x: Points,
     y: Points,
@@ -54,7 +55,7 @@ pub fn ospa(
 /// OSPA of two sets whose distances are given.
 ///
 /// # Errors
-/// [`crate::Error::Parameter`] for a cutoff or an order that is not positive.
+/// [`Error::Parameter`](crate::Error::Parameter) for a cutoff or an order that is not positive.
 pub fn ospa_from_distances(
     distances: Distances,
     c: f64,
@@ -91,7 +92,8 @@ pub fn ospa_assignment(
 /// OSPA of every pair of sets of two sequences, into `output`.
 ///
 /// # Errors
-/// As [`ospa`], and [`crate::Error::Length`] where the sequences are not equally long.
+/// As [`ospa`], and [`Error::Length`](crate::Error::Length) where the sequences are not equally
+/// long.
 pub fn ospa_over_time(
     x: Frames,
     y: Frames,
