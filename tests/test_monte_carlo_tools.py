@@ -96,6 +96,11 @@ def test_figures_are_drawn_by_both_libraries(two_parameters, backend, dark):
         plt.close("all")
 
 
+def test_rows_of_another_kind_are_refused(two_parameters):
+    with pytest.raises(ValueError, match="rows must be 'steps' or 'settings', got 'runs'"):
+        two_parameters.to_columns("runs")
+
+
 def test_wrong_figures_are_named(two_parameters):
     one = sweep(cases.honest, 3, seed=1, progress=False)
     with pytest.raises(ValueError, match="states has 3 names, the filter has 2"):

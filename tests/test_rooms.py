@@ -9,7 +9,7 @@ import pytest
 import trackmetrics
 
 ROOT = Path(trackmetrics.__file__).parent
-ROOMS = ("consistency", "diagnostics", "report", "vessel")
+ROOMS = ("consistency", "diagnostics", "monte_carlo", "report", "vessel")
 
 
 def imports(path, known):

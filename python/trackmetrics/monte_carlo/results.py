@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from trackmetrics.monte_carlo import tables
 from trackmetrics.monte_carlo.choice import Best, choose
 from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.scores import ScoreAccumulator
@@ -146,9 +147,13 @@ class SweepResult:
 
     def to_columns(self, rows: Rows = "steps") -> dict[str, list[Any]]:
         """A tidy table: one row for each setting and step, or for each setting, by columns."""
-        from trackmetrics.monte_carlo import tables
-
-        return tables.of_settings(self) if rows == "settings" else tables.of_steps(self)
+        if rows not in ("steps", "settings"):
+            raise ValueError(f"rows must be 'steps' or 'settings', got {rows!r}")
+        if rows == "steps":
+            return tables.of_steps(self.grid, self.consistency)
+        failed = [len(tally.failures) for tally in self.tallies]
+        scores = list(self.scores)
+        return tables.of_settings(self.grid, self.done, failed, self._score_cells(), scores)
 
     def to_pandas(self, rows: Rows = "steps") -> Any:
         """A pandas ``DataFrame`` of :meth:`to_columns`."""

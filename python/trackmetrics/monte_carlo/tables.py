@@ -1,20 +1,22 @@
 """Tidy tables of a sweep, as columns."""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from trackmetrics.monte_carlo.choice import criterion_of, estimate
-from trackmetrics.monte_carlo.statistics import FormStatistics
+from trackmetrics.monte_carlo.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
 
-if TYPE_CHECKING:
-    from trackmetrics.monte_carlo.results import SweepResult
+Grid = Sequence[dict[str, Any]]
+Columns = dict[str, list[Any]]
 
 
-def of_steps(result: "SweepResult") -> dict[str, list[Any]]:
+def of_steps(grid: Grid, summaries: Sequence[ConsistencySummary]) -> Columns:
     """One row for each setting and step."""
     tables = []
-    for settings, found in zip(result.grid, result.consistency, strict=True):
+    for settings, found in zip(grid, summaries, strict=True):
         columns: dict[str, Any] = {}
         for prefix, form in (("", found.states), ("innovation_", found.innovations)):
             if form is not None:
@@ -29,7 +31,7 @@ def of_steps(result: "SweepResult") -> dict[str, list[Any]]:
     }
 
 
-def _columns(form: FormStatistics, mean: str, prefix: str) -> dict[str, list[Any]]:
+def _columns(form: FormStatistics, mean: str, prefix: str) -> Columns:
     interval = np.broadcast_to(form.interval, (len(form.runs), 2))
     columns: dict[str, Any] = {
         f"{prefix}runs": form.runs,
@@ -49,20 +51,22 @@ def _columns(form: FormStatistics, mean: str, prefix: str) -> dict[str, list[Any
     return {name: np.asarray(column).tolist() for name, column in columns.items()}
 
 
-def of_settings(result: "SweepResult") -> dict[str, list[Any]]:
+def of_settings(
+    grid: Grid,
+    done: Sequence[int],
+    failed: Sequence[int],
+    cells: Sequence[ScoreAccumulator | None],
+    scores: Sequence[str],
+) -> Columns:
     """One row for each setting: its runs, and each score with its interval."""
-    columns: dict[str, list[Any]] = {
-        name: [settings[name] for settings in result.grid] for name in result.grid[0]
-    }
-    columns["runs"] = [
-        done - len(tally.failures) for done, tally in zip(result.done, result.tallies, strict=True)
-    ]
-    columns["failed"] = [len(tally.failures) for tally in result.tallies]
-    for name in result.scores:
+    columns: Columns = {name: [settings[name] for settings in grid] for name in grid[0]}
+    columns["runs"] = [runs - lost for runs, lost in zip(done, failed, strict=True)]
+    columns["failed"] = list(failed)
+    for name in scores:
         criterion = criterion_of(name, [name], None, False, plain=True)
         found = [
             estimate(cell, criterion, 0.95) if cell else (np.nan, (np.nan, np.nan))
-            for cell in result._score_cells()
+            for cell in cells
         ]
         columns[name] = [float(value) for value, _ in found]
         columns[f"{name}_low"] = [float(interval[0]) for _, interval in found]
