@@ -66,6 +66,7 @@ def test_all_vessels_under_way_run_through(solent, tmp_path, capsys):
     page, log = tmp_path / "out.html", tmp_path / "log.jsonl"
     words = ["vessel", str(solent), "--decimate", "60", "--html", str(page), "--log", str(log)]
     assert main(words) == 0
+    assert '<table id="predictions">' in page.read_text(encoding="utf-8")
     text = capsys.readouterr().out
     table, predictions = text.split("\nPredictions of the reports left out")
     lines = [line.split() for line in table.splitlines() if line[:9].isdigit()]
