@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::interrupt::Interrupt;
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, mpsc};
 use std::time::Duration;
 
 /// How long the calling thread of [`fill_until`] sleeps between two looks for an interrupt.
@@ -48,8 +48,7 @@ fn pool() -> Option<Arc<ThreadPool>> {
     if threads < 2 {
         return None;
     }
-    // A poisoned lock holds a pool all the same: nothing is half written here.
-    let mut slot = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut slot = lock(&POOL);
     if let Some(pool) = slot.as_ref().filter(|p| p.process == process && p.threads == threads) {
         return Some(Arc::clone(&pool.pool));
     }
@@ -75,11 +74,12 @@ where
 {
     match pieces(output.len(), least) {
         None => fill(0, output),
-        Some((pool, size)) => pool.install(|| fill_pieces(output, size, &fill)),
+        Some((pool, size)) => share_pieces(&pool, output, size, &fill),
     }
 }
 
-/// [`fill`] for what may take long: the thread that calls it looks for interrupts while others work.
+/// [`fill`] for what may take long: the thread that calls it looks for interrupts while others
+/// work.
 ///
 /// `fill` itself passes `interrupt.check()?` as often as a kernel on one thread would.
 ///
@@ -101,9 +101,9 @@ where
     let mut result = Ok(());
     pool.in_place_scope(|scope| {
         let (done, wait) = mpsc::channel::<()>();
-        let (result, fill) = (&mut result, &fill);
+        let (result, fill, workers) = (&mut result, &fill, &*pool);
         scope.spawn(move |_| {
-            *result = fill_pieces(output, size, fill);
+            *result = share_pieces(workers, output, size, fill);
             drop(done);
         });
         while wait.recv_timeout(PATIENCE) == Err(mpsc::RecvTimeoutError::Timeout) {
@@ -123,21 +123,53 @@ fn pieces(items: usize, least: usize) -> Option<(Arc<ThreadPool>, usize)> {
     Some((pool()?, items.div_ceil(pieces)))
 }
 
-fn fill_pieces<T, E, F>(output: &mut [T], size: usize, fill: &F) -> std::result::Result<(), E>
+/// As many threads as allowed, the calling one among them, take piece after piece.
+///
+/// One more than is needed is woken, and the last to come finds no seat: a system that wakes a
+/// thread on the processor of its caller may leave it waiting there for milliseconds.
+fn share_pieces<T, E, F>(
+    pool: &ThreadPool,
+    output: &mut [T],
+    size: usize,
+    fill: &F,
+) -> std::result::Result<(), E>
 where
     T: Send,
     E: Send,
     F: Fn(usize, &mut [T]) -> std::result::Result<(), E> + Sync,
 {
-    use rayon::prelude::*;
-    let mut results: Vec<std::result::Result<(), E>> = Vec::new();
-    output
-        .par_chunks_mut(size)
-        .enumerate()
-        .with_max_len(1)
-        .map(|(i, piece)| fill(i * size, piece))
-        .collect_into_vec(&mut results);
-    results.into_iter().collect()
+    let pieces = Mutex::new(output.chunks_mut(size).enumerate());
+    let first_error: Mutex<Option<(usize, E)>> = Mutex::new(None);
+    let work = || {
+        // Not in the head of the loop: the lock would be held while the piece is filled.
+        let next = || lock(&pieces).next();
+        while let Some((i, piece)) = next() {
+            if let Err(error) = fill(i * size, piece) {
+                let mut first = lock(&first_error);
+                if first.as_ref().is_none_or(|(earliest, _)| i < *earliest) {
+                    *first = Some((i, error));
+                }
+            }
+        }
+    };
+    let (threads, seats) = (pool.current_num_threads(), AtomicUsize::new(1));
+    pool.in_place_scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|_| {
+                if seats.fetch_add(1, Ordering::Relaxed) < threads {
+                    work();
+                }
+            });
+        }
+        work();
+    });
+    let found = first_error.into_inner().unwrap_or_else(PoisonError::into_inner);
+    found.map_or(Ok(()), |(_, error)| Err(error))
+}
+
+/// What a mutex holds; a thread that panicked leaves nothing half written in those of this file.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
