@@ -12,6 +12,7 @@ from trackmetrics.diagnostics import (
     diagnose,
     read_log,
 )
+from trackmetrics.diagnostics.timeline import Timeline
 
 STD = ["std_lat_deg", "std_lon_deg", "std_sog_kts", "std_cog_deg", "std_turn_rate"]
 STATES = ["lat", "lon", "sog", "cog", "turn_rate"]
@@ -323,3 +324,10 @@ def test_small_courses_in_degrees_are_no_warning():
         x=x, nis=log.columns.nis, nis_dof=2, states=log.states, time=np.arange(40)
     )
     assert diagnose(still).warnings == ()
+
+
+def test_spans_have_the_digits_that_were_measured():
+    line = Timeline(1_452_556_800.25, "s")
+    assert line.at(1_452_556_800.25 + 70.98000002) == "70.98 s"
+    assert line.at(1_452_556_860.25) == "60 s"
+    assert line.lasting(0.0012345) == "0.00123 s"

@@ -47,4 +47,6 @@ class Timeline:
 
 
 def _digits(time: float) -> str:
-    return f"{time:.0f}" if float(time).is_integer() else f"{time:.10g}"
+    # Differences of times since 1970 have digits that nobody measured.
+    rounded = round(time, 3) if abs(time) >= 1 else float(f"{time:.3g}")
+    return f"{rounded:.0f}" if rounded.is_integer() else f"{rounded:.10g}"

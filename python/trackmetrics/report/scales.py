@@ -12,14 +12,14 @@ Limits = tuple[float, float]
 
 
 def log_limits(
-    values: Iterable[Floats | float], at_least: Limits = (0.4, 2.5), headroom: bool = False
+    values: Iterable[Floats | float], at_least: Limits = (0.4, 2.5), names: int = 0
 ) -> Limits:
-    """Limits of a logarithmic axis with room around every positive value, more for names above."""
+    """Limits of a logarithmic axis with room around every positive value, and for rows of names."""
     finite = _finite(values)
     finite = np.append(finite[finite > 0], at_least)
     low, high = math.log10(finite.min()), math.log10(finite.max())
     room = 0.07 * (high - low)
-    return 10 ** (low - room), 10 ** (high + room * (4 if headroom else 1.6))
+    return 10 ** (low - room), 10 ** (high + room * (1.6 + 3.2 * names))
 
 
 def linear_limits(values: Iterable[Floats | float], at_least: Limits | None = None) -> Limits:

@@ -85,7 +85,8 @@ def _quantity_panel(subject: Subject, verdict: QuantityVerdict, place: Rectangle
     low, high = _chi2.interval(dof, HONEST)
     edges = [edge for s in verdict.segments for edge in s.interval if np.isfinite(edge)]
     events = _events(subject, verdict)
-    limits = log_limits([values, low / dof, high / dof, floats(edges)], headroom=bool(events))
+    names = max((event.row + 1 for event in events), default=0)
+    limits = log_limits([values, low / dof, high / dof, floats(edges)], names=names)
     marks = [
         *_honest(subject, dof, place.width),
         Level(1.0, "muted/0.8"),
@@ -137,11 +138,8 @@ def _segments(subject: Subject, verdict: QuantityVerdict) -> list[Mark]:
             floats([left]), floats([right]), floats([low]), floats([high]), f"{segment.label}/0.2"
         )
         marks += [box, Line(sides, mean, segment.label, 2.4, name=name)]
-        marks.append(
-            Text(
-                right, high, f"{segment.scale:.2g}×", segment.label, "right", above=True, bold=True
-            )
-        )
+        factor = f"{float(f'{segment.scale:.2g}'):g}×"
+        marks.append(Text(right, high, factor, segment.label, "right", above=True, bold=True))
     return marks
 
 
@@ -167,7 +165,7 @@ def _outliers(subject: Subject, quantity: str) -> list[Mark]:
     return [Points(x, y, "high", "circle", True, 14.0, "outlier")]
 
 
-def _events(subject: Subject, verdict: QuantityVerdict) -> list[Mark]:
+def _events(subject: Subject, verdict: QuantityVerdict) -> list[Event]:
     """Onset, settling and alarm; names of those close together stand apart."""
     named = (
         ("onset", verdict.onset_time, "high"),
@@ -176,7 +174,7 @@ def _events(subject: Subject, verdict: QuantityVerdict) -> list[Mark]:
     )
     at = sorted((subject.clock.at(t), name, role) for name, t, role in named if t is not None)
     span = subject.span[1] - subject.span[0]
-    marks: list[Mark] = []
+    marks: list[Event] = []
     for i, (minute, name, role) in enumerate(at):
         crowded = i + 1 < len(at) and at[i + 1][0] - minute < 0.16 * span
         left = minute > 0.16 * span and (crowded or minute > 0.8 * span)

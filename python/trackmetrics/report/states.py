@@ -170,7 +170,7 @@ def _claim(subject: Subject, index: int, place: Rectangle) -> Panel:
     assert std is not None
     reference = _reference(std, diagnosed)
     doubled = None if diagnosed is None else diagnosed.growth_onset_time
-    limits = log_limits([std / reference], headroom=doubled is not None)
+    limits = log_limits([std / reference], names=int(doubled is not None))
     marks: list[Mark] = [Level(1.0, "muted/0.8")]
     ratio = on_log_axis(std / reference, limits)
     minutes, line = whole(subject.minutes, ratio)
