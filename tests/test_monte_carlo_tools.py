@@ -6,11 +6,12 @@ import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from trackmetrics.cli import main
 from trackmetrics.cli.sweep import grid
-from trackmetrics.monte_carlo import sweep
+from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
 from trackmetrics.report.marks import Boxes, Line
 from trackmetrics.report.sweep_page import sweep_page
 from trackmetrics.report.sweeps import (
@@ -163,3 +164,37 @@ def test_the_example_finds_the_true_process_noise(capsys):
     result = example.main(runs=30)
     assert result.best().settings == {"q": 0.1}
     assert "the honest filter has q = 0.1 (true: 0.1)" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"levels": 0.5}, "levels must be a sequence of numbers, got 0.5"),
+        ({"levels": ["a"]}, "levels must be a real number, got 'a'"),
+        ({"angles": {0: "x"}}, r"angles\[0\] must be a real number, got 'x'"),
+        ({"angles": {"a": 1.0}}, "angles must be a whole number, got 'a'"),
+    ],
+)
+def test_wrong_options_of_an_accumulator_are_named(options, message):
+    with pytest.raises(TypeError, match=f"^{message}$"):
+        ConsistencyAccumulator(**options)
+
+
+def test_wrong_batches_of_an_accumulator_are_named():
+    with pytest.raises(TypeError, match="batch must be a mapping of names to arrays, got None"):
+        ConsistencyAccumulator().update(None, 0)
+    batch = {"truth": np.zeros((1, 1, 1)), "estimates": np.zeros((1, 1, 1))}
+    batch["covariances"] = np.ones((1, 1, 1, 1))
+    with pytest.raises(ValueError, match="first_run must be a whole number, at least 0, got 'a'"):
+        ConsistencyAccumulator().update(batch, "a")
+
+
+def test_a_page_without_its_libraries_is_refused_before_the_work(monkeypatch, capsys, tmp_path):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    page = tmp_path / "out.html"
+    words = ["sweep", NAME, "--runs", "3", "--html", str(page)]
+    monkeypatch.syspath_prepend(str(Path(cases.__file__).parent))
+    assert main(words) == 2
+    told = capsys.readouterr()
+    assert "needs matplotlib, from the extra report" in told.err
+    assert not told.out

@@ -233,6 +233,16 @@ def whole(argument: str, value: Any) -> int:
     return found
 
 
+def count(argument: str, value: Any, least: int) -> None:
+    """Refuse what is no whole number, or less than ``least``."""
+    try:
+        fits = value == int(value) and value >= least
+    except (TypeError, ValueError, OverflowError):
+        fits = False
+    if not fits:
+        raise ValueError(f"{argument} must be a whole number, at least {least}, got {value!r}")
+
+
 def _form(value: Any) -> str:
     """What came, in a few words."""
     if isinstance(value, np.ndarray):

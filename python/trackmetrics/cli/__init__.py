@@ -21,6 +21,15 @@ COMMANDS: dict[str, str] = {
 }
 """Each command and what it does."""
 
+EXTRAS = {
+    "jinja2": "report",
+    "matplotlib": "report",
+    "plotly": "report",
+    "pyais": "ais",
+    "pyarrow": "parquet",
+}
+"""The extra that a library comes with."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status."""
@@ -46,7 +55,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _words(error: Exception) -> str:
-    """What went wrong; of a file that cannot be used, which one and why."""
+    """What went wrong; of a file that cannot be used, which one and why; of a library that is not
+    installed, what installs it."""
+    if isinstance(error, ModuleNotFoundError) and (error.name or "") in EXTRAS:
+        extra = EXTRAS[error.name or ""]
+        return f"needs {error.name}, from the extra {extra} (pip install 'trackmetrics[{extra}]')"
     if isinstance(error, OSError) and error.filename and error.strerror:
         return f"{error.filename}: {error.strerror}"
     return str(error)

@@ -44,6 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Runs the sweep and prints what it found; status 130 where it was interrupted."""
     simulate = function(arguments.simulate)
+    if arguments.html:
+        import_module("matplotlib")  # a lack is better known before the work than after it
     try:
         result, status = _sweep(simulate, arguments), 0
     except SweepInterrupted as stop:

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics import _check
 from trackmetrics.monte_carlo import packing
 from trackmetrics.monte_carlo.tree import Floats, RunTree, canonical, first_overlap
 
@@ -157,8 +158,7 @@ class Accumulator(ABC):
             self._counts[name] = array.copy() if known is None else known + array
 
     def _require_new(self, first_run: int, runs: int) -> None:
-        if first_run != int(first_run) or first_run < 0:
-            raise ValueError(f"first_run must be a whole number, at least 0, got {first_run!r}")
+        _check.count("first_run", first_run, 0)
         new = RunTree()
         for start, level in canonical(first_run, first_run + runs):
             new.add(start, level, None)

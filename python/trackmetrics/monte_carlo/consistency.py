@@ -1,6 +1,6 @@
 """Is a filter honest? What many runs say of it, kept in a few sums for each step."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -69,8 +69,10 @@ class ConsistencyAccumulator(Accumulator):
         innovation_angles: Mapping[int, float] | None = None,
         levels: Sequence[float] = LEVELS,
     ) -> None:
+        if isinstance(levels, str) or not isinstance(levels, Iterable):
+            raise TypeError(f"levels must be a sequence of numbers, got {levels!r}")
         for level in levels:
-            if not 0 < level < 1:
+            if not 0 < _check.number("levels", level) < 1:
                 raise errors.parameter("levels", "between 0 and 1", level)
         super().__init__(
             {
@@ -103,6 +105,8 @@ class ConsistencyAccumulator(Accumulator):
 
     def absorb(self, batch: Mapping[str, Any], first_run: int) -> dict[str, Floats]:
         """As ``update``; returns for each run the steps counted, the sum of q, and of e^2."""
+        if not isinstance(batch, Mapping):
+            raise TypeError(f"batch must be a mapping of names to arrays, got {batch!r}")
         channels = {
             name: _arrays(batch, names)
             for name, names in (("states", _STATES), ("innovations", _INNOVATIONS))
@@ -175,13 +179,17 @@ def expected_decibels(dimension: int) -> float:
 
 def _periods(argument: str, angles: Mapping[int, float] | None) -> list[list[float]]:
     """Pairs of component and period, sorted, as JSON keeps them."""
-    pairs = sorted((angles or {}).items())
-    for index, period in pairs:
-        if index < 0 or index != int(index):
+    if not isinstance(angles or {}, Mapping):
+        raise TypeError(f"{argument} must map components to periods, got {angles!r}")
+    pairs = []
+    for index, given in (angles or {}).items():
+        if _check.whole(argument, index) < 0:
             raise ValueError(f"{argument} must name components from 0, got {index!r}")
+        period = _check.number(f"{argument}[{index}]", given)
         if not (period > 0 and np.isfinite(period)):
             raise errors.parameter(f"{argument}[{index}]", "positive and finite", period)
-    return [[int(index), float(period)] for index, period in pairs]
+        pairs.append([int(index), period])
+    return sorted(pairs)
 
 
 def _arrays(batch: Mapping[str, Any], names: Sequence[str]) -> list[Floats]:

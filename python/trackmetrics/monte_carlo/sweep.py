@@ -7,8 +7,11 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from trackmetrics import _backend
+import numpy as np
+
+from trackmetrics import _backend, _check
 from trackmetrics.monte_carlo.checkpoint import Checkpoint, identity
+from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.executors import Workers, uninterrupted, workers_of
 from trackmetrics.monte_carlo.jobs import Done, Job
 from trackmetrics.monte_carlo.progress import Progress
@@ -119,8 +122,14 @@ def sweep(
     [2.0, 1.0, 0.5]
     """
     settings = expand(grid)
-    _check(runs, chunk, on_error, workers, worker_threads)
+    counts = {"runs": runs, "chunk": chunk, "workers": workers, "worker_threads": worker_threads}
+    for name, count in counts.items():
+        if count is not None:
+            _check.count(name, count, 1)
+    _check_others(simulate, seed, checkpoint, on_error)
     options = {"angles": angles, "innovation_angles": innovation_angles}
+    # Refuses what are no angles, before the first run.
+    ConsistencyAccumulator(angles=angles, innovation_angles=innovation_angles)
     store = None
     tallies = [Tally() for _ in settings]
     if checkpoint is not None:
@@ -144,6 +153,8 @@ def expand(
     if grid is None:
         return [{}]
     if not isinstance(grid, Mapping):
+        if not isinstance(grid, Sequence) or not all(isinstance(s, Mapping) for s in grid):
+            raise TypeError(f"grid must be a mapping of names to values, or settings, got {grid!r}")
         settings = [dict(setting) for setting in grid]
         if not settings or any(setting.keys() != settings[0].keys() for setting in settings):
             raise ValueError("grid must hold at least one setting, all with the same parameters")
@@ -163,13 +174,18 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
 
 
-def _check(
-    runs: int, chunk: int | None, on_error: str, workers: int | None, worker_threads: int
-) -> None:
-    counts = {"runs": runs, "chunk": chunk, "workers": workers, "worker_threads": worker_threads}
-    for name, count in counts.items():
-        if count is not None and (count != int(count) or count < 1):
-            raise ValueError(f"{name} must be a whole number, at least 1, got {count!r}")
+def _check_others(simulate: Any, seed: Any, checkpoint: Any, on_error: str) -> None:
+    if not callable(simulate):
+        raise TypeError(f"simulate must be a function, got {type(simulate).__name__}")
+    try:
+        # None would be another seed in every run.
+        seeded = seed is not None and np.random.SeedSequence(seed) is not None
+    except (TypeError, ValueError):
+        seeded = False
+    if not seeded:
+        raise ValueError(f"seed must be a whole number, at least 0, or several, got {seed!r}")
+    if checkpoint is not None and not isinstance(checkpoint, str | os.PathLike):
+        raise TypeError(f"checkpoint must be a path, got {checkpoint!r}")
     if on_error not in ("raise", "collect"):
         raise ValueError(f"on_error must be 'raise' or 'collect', got {on_error!r}")
 
