@@ -12,12 +12,12 @@ import pytest
 from trackmetrics.cli import main
 from trackmetrics.cli.sweep import grid
 from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
-from trackmetrics.report.scene import Boxes, Line
-from trackmetrics.report.sweep_page import sweep_page
+from trackmetrics.report.scene import Line, Rects
+from trackmetrics.report.sweep_page import render_sweep_page
 from trackmetrics.report.sweep_scenes import (
     _outline,
-    heat_figure,
-    heat_scene,
+    heatmap_figure,
+    heatmap_scene,
     sweep_figure,
     sweep_scene,
 )
@@ -59,7 +59,7 @@ def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
     assert "runs failed" in (tmp_path / "out.html").read_text()
 
 
-@pytest.mark.parametrize(
+@pytest.primitive.parametrize(
     ("words", "message"),
     [
         (["honest"], "expected MODULE:FUNCTION, got 'honest'"),
@@ -84,13 +84,13 @@ def test_values_of_a_grid_are_literals_or_words():
     assert grid([]) is None
 
 
-@pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("backend", ["matplotlib", "plotly"])
+@pytest.primitive.parametrize("dark", [False, True])
+@pytest.primitive.parametrize("backend", ["matplotlib", "plotly"])
 def test_figures_are_drawn_by_both_libraries(two_parameters, backend, dark):
     one = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
     options = {"backend": backend, "dark": dark}
     assert sweep_figure(one, states=["east, m", "north, m"], step=0.5, **options) is not None
-    assert heat_figure(two_parameters, "claimed", "steps", **options) is not None
+    assert heatmap_figure(two_parameters, "claimed", "steps", **options) is not None
     if backend == "matplotlib":
         import matplotlib.pyplot as plt
 
@@ -109,14 +109,14 @@ def test_wrong_figures_are_named(two_parameters):
     with pytest.raises(ValueError, match=r"settings must be of the 1 of the grid, got \[1\]"):
         sweep_figure(one, settings=[1])
     with pytest.raises(ValueError, match="the grid has no 'r', it has claimed, steps"):
-        heat_figure(two_parameters, "claimed", "r")
+        heatmap_figure(two_parameters, "claimed", "r")
     with pytest.raises(ValueError, match="there is no score 'ospa', there are nees"):
-        heat_figure(two_parameters, "claimed", "steps", "ospa")
+        heatmap_figure(two_parameters, "claimed", "steps", "ospa")
 
 
 def test_the_honest_region_is_outlined(two_parameters):
-    (panel,) = heat_scene(two_parameters, "claimed", "steps", "nees").panels
-    lines = [mark for mark in panel.marks if type(mark).__name__ == "Line"]
+    (panel,) = heatmap_scene(two_parameters, "claimed", "steps", "nees").panels
+    lines = [primitive for primitive in panel.primitives if type(primitive).__name__ == "Line"]
     assert len(lines) == 6  # the column of claimed=1 is one by two cells
     assert len(_outline({(0, 0)})) == 4
     assert len(_outline({(0, 0), (1, 0)})) == 6
@@ -125,23 +125,30 @@ def test_the_honest_region_is_outlined(two_parameters):
 def test_the_settings_nearest_to_honest_are_drawn():
     grid = {"claimed": [8.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.9, 0.8, 0.7, 0.6]}
     result = sweep(cases.honest, 20, seed=1, grid=grid, progress=False)
-    drawn = {mark.name for mark in sweep_scene(result).panels[0].marks if isinstance(mark, Line)}
+    drawn = {
+        primitive.name
+        for primitive in sweep_scene(result).panels[0].primitives
+        if isinstance(primitive, Line)
+    }
     assert len(drawn) == 8
     assert drawn.isdisjoint({"claimed=8", "claimed=4"})
-    chosen = sweep_scene(result, settings=[0, 5]).panels[0].marks
-    assert {mark.name for mark in chosen if isinstance(mark, Line)} == {"claimed=8", "claimed=1"}
+    chosen = sweep_scene(result, settings=[0, 5]).panels[0].primitives
+    assert {p.name for p in chosen if isinstance(p, Line)} == {
+        "claimed=8",
+        "claimed=1",
+    }
 
 
 def test_honest_scores_are_red_above_one_and_blue_below(two_parameters):
-    (panel,) = heat_scene(two_parameters, "claimed", "steps", "nees").panels
-    colours = {float(m.name) > 1: m.colour.partition("/")[0] for m in panel.marks
-               if isinstance(m, Boxes)}  # fmt: skip
+    (panel,) = heatmap_scene(two_parameters, "claimed", "steps", "nees").panels
+    colours = {float(m.name) > 1: m.colour.partition("/")[0] for m in panel.primitives
+               if isinstance(m, Rects)}  # fmt: skip
     assert colours == {True: "high", False: "low"}
 
 
 def test_a_page_stands_alone():
     result = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
-    page = sweep_page(result, title="<a & b>", best=result.best("anees"))
+    page = render_sweep_page(result, title="<a & b>", best=result.best("anees"))
     addresses = []
 
     class Reader(HTMLParser):
@@ -166,7 +173,7 @@ def test_the_example_finds_the_true_process_noise(capsys):
     assert "the honest filter has q = 0.1 (true: 0.1)" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
+@pytest.primitive.parametrize(
     ("options", "message"),
     [
         ({"levels": 0.5}, "levels must be a sequence of numbers, got 0.5"),

@@ -10,7 +10,7 @@ from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.scene import Points
 from trackmetrics.report.track_scene import track_scene
-from trackmetrics.report.track_view import subjects
+from trackmetrics.report.track_view import track_views
 
 BACKENDS = ("matplotlib", "plotly")
 
@@ -32,8 +32,8 @@ def words_of(figure, backend):
     return [t.get_text() for t in texts] + [a.get_title(loc="left") for a in figure.axes]
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("dark", [False, True])
+@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("dark", [False, True])
 def test_a_track_shows_everything_with_its_units(small, backend, dark):
     log, diagnosis = small
     figure = report.track_figure(diagnosis, log, "vessel 000", backend=backend, dark=dark)
@@ -46,7 +46,7 @@ def test_a_track_shows_everything_with_its_units(small, backend, dark):
         assert words in said
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_the_axes_of_consistency_are_logarithmic(small, backend):
     log, diagnosis = small
     figure = report.track_figure(diagnosis, log, "vessel 001", backend=backend)
@@ -76,16 +76,16 @@ def test_both_libraries_draw_every_update_once(small):
 
 def test_values_and_intervals_are_those_of_the_log(small):
     log, diagnosis = small
-    subject = subjects(diagnosis, log)[0]
-    panel = track_scene(subject).panels[0]
-    rows = log[subject.track.track]
+    view = track_views(diagnosis, log)[0]
+    panel = track_scene(view).panels[0]
+    rows = log[view.track.track]
     good = np.isfinite(rows.nis)
-    drawn = [m for m in panel.marks if isinstance(m, Points) and m.name != "outlier"]
+    drawn = [m for m in panel.primitives if isinstance(m, Points) and m.name != "outlier"]
     x, y = (np.concatenate([getattr(m, side) for m in drawn]) for side in "xy")
     order = np.argsort(x)
     np.testing.assert_allclose(y[order], (rows.nis / rows.nis_dof)[good])
     np.testing.assert_allclose(x[order], (rows.time[good] - log.columns.time.min()) / 60)
-    bars = next(m for m in panel.marks if type(m).__name__ == "Bars")
+    bars = next(m for m in panel.primitives if type(m).__name__ == "ErrorBars")
     four = rows.nis_dof[good] == 4
     np.testing.assert_allclose(bars.high[four], 11.143286781877796 / 4)
     np.testing.assert_allclose(bars.low[~four], 0.05063561596857975 / 2)
@@ -93,8 +93,8 @@ def test_values_and_intervals_are_those_of_the_log(small):
 
 def test_tentative_updates_are_hollow(small):
     log, diagnosis = small
-    panels = track_scene(subjects(diagnosis, log)[0]).panels
-    hollow = [m for m in panels[1].marks if isinstance(m, Points) and m.hollow]
+    panels = track_scene(track_views(diagnosis, log)[0]).panels
+    hollow = [m for m in panels[1].primitives if isinstance(m, Points) and m.hollow]
     assert sum(len(m.x) for m in hollow) == 2
 
 
@@ -126,7 +126,7 @@ def test_a_log_of_nis_alone_and_no_log_at_all(small):
         report.overview_figure(diagnosis, log, backend="bokeh")
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_the_overview_is_sorted_by_severity(small, backend):
     log, diagnosis = small
     figure = report.overview_figure(diagnosis, log, backend=backend)
@@ -145,7 +145,7 @@ def test_the_overview_is_sorted_by_severity(small, backend):
         assert all(a.x > 1 for a in beside)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_the_comparison_lists_at_most_eight_tracks(fleet, backend):
     log, diagnosis = fleet
     figure = report.comparison_figure(diagnosis, log, backend=backend)
@@ -172,7 +172,7 @@ def test_figures_do_not_touch_the_state_of_pyplot(small):
 def test_plotly_figures_hold_colours_and_no_roles(small):
     text = report.track_figure(small[1], small[0], "vessel 000", backend="plotly").to_json()
     assert not re.search(r'"@[a-z]', text)
-    scene = track_scene(subjects(small[1], small[0])[0])
+    scene = track_scene(track_views(small[1], small[0])[0])
     roles = set(re.findall(r'"@([a-z0-9-]+)', str(draw_plotly.figure(scene)).replace("'", '"')))
     assert roles <= set(theme.LIGHT.colours)
     assert theme.LIGHT.colours.keys() == theme.DARK.colours.keys()
@@ -186,7 +186,7 @@ def test_names_are_shown_as_they_are():
     assert "<b>a" not in report.page(diagnose(log), log)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_names_are_neither_roles_nor_formulas(backend):
     for name in ("@ship", "$x_{", "a_b$c$"):
         log = EstimatorLog.from_columns(track=[name] * 9, nis=[1.0, 2.0, 3.0] * 3, nis_dof=2)

@@ -143,7 +143,7 @@ def test_the_same_diagnosis_gives_the_same_file(small, html, tmp_path):
     assert path.read_text(encoding="utf-8") == html
 
 
-@pytest.mark.data
+@pytest.primitive.data
 def test_states_that_are_published_alone_have_their_panels(published):
     log, diagnosis = published
     document = Document(report.page(diagnosis, log))

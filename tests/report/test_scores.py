@@ -40,7 +40,7 @@ def gospa(steps=6):
     return SimpleNamespace(distance=np.sqrt(sum(parts.values())), **parts)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_ospa(backend):
     results = [ospa([[0.0, 0.0]], [[0.5 * k, 0.0]], c=10, p=2) for k in range(4)]
     figure = report.ospa_figure(results, times=[5, 65, 125, 185], backend=backend, unit="km")
@@ -54,7 +54,7 @@ def test_ospa(backend):
     assert labels(steps, backend)[0] == ["frame"]
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_gospa(backend):
     figure = report.gospa_figure(gospa(), backend=backend, dark=True)
     assert labels(figure, backend) == (["frame"], ["GOSPA (m)", "parts (m²)"])
@@ -63,15 +63,15 @@ def test_gospa(backend):
 
 def test_the_parts_of_gospa_stand_on_each_other():
     scene = gospa_scene(gospa(), None, "m", 2.0, "")
-    bands = [mark for mark in scene.panels[1].marks if isinstance(mark, Band)]
+    bands = [primitive for primitive in scene.panels[1].primitives if isinstance(primitive, Band)]
     np.testing.assert_allclose(bands[1].low, bands[0].high)
     np.testing.assert_allclose(bands[2].low, bands[1].high)
     np.testing.assert_allclose(np.sqrt(bands[2].high), gospa().distance)
     each = [SimpleNamespace(distance=2.0, localization=4.0, missed=0.0, false=0.0)] * 3
-    assert len(gospa_scene(each, None, "m", 2.0, "").panels[0].marks[0].y) == 3
+    assert len(gospa_scene(each, None, "m", 2.0, "").panels[0].primitives[0].y) == 3
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_rmse(backend):
     rmse = np.array([[1.0, 0.1], [2.0, 0.2], [1.5, 0.3]])
     statistics = SimpleNamespace(
@@ -90,7 +90,7 @@ def test_rmse(backend):
         report.rmse_figure(statistics, states=states, times=[0, 1], backend=backend)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.primitive.parametrize("backend", BACKENDS)
 def test_coverage(backend):
     p = np.arange(1, 100) / 100
     curve = SimpleNamespace(probability=p, share=p**1.2, lower=p - 0.1, upper=p + 0.1, count=300)
@@ -104,7 +104,7 @@ def test_lines_keep_their_gaps():
     results = gospa()
     results.distance[2] = np.nan
     scene = gospa_scene(results, None, "m", 2.0, "")
-    (line,) = [mark for mark in scene.panels[0].marks if isinstance(mark, Line)]
+    (line,) = [primitive for primitive in scene.panels[0].primitives if isinstance(primitive, Line)]
     assert np.isnan(line.y[2])
     for backend in BACKENDS:
         report.gospa_figure(results, backend=backend)
