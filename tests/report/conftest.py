@@ -14,15 +14,14 @@ from trackmetrics.diagnostics import (
     VERDICTS,
     Bias,
     Diagnosis,
-    EstimatorLog,
     Outlier,
     QuantityVerdict,
     Segment,
-    State,
     StateDiagnosis,
     Whiteness,
     diagnose,
 )
+from trackmetrics.logs import EstimatorLog, State
 
 STATES = (
     State("lat", "deg"),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from trackmetrics import report
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
+from trackmetrics.diagnostics import Diagnosis, diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.scene import Points
 from trackmetrics.report.track_scene import track_scene

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from trackmetrics import report
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
+from trackmetrics.diagnostics import Diagnosis, diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import theme
 from trackmetrics.vessel import HeldOut
 

@@ -2,7 +2,8 @@
 
 from typing import Any, Literal
 
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog
+from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report.scene import Scene
 from trackmetrics.report.theme import theme
 

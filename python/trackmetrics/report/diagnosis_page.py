@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog
+from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.holdout_section import predictions
 from trackmetrics.report.overview_scene import comparison_scene

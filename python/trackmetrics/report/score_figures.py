@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from trackmetrics.diagnostics import State
+from trackmetrics.logs import State
 from trackmetrics.report.diagnosis_figures import Backend, draw
 
 
@@ -85,7 +85,7 @@ def rmse_figure(
         Statistics over runs: fields ``rmse`` of shape (steps, n), ``rmse_interval`` (steps, n, 2),
         ``runs`` (steps,) and ``confidence``.
     states
-        The states, as names or :class:`trackmetrics.diagnostics.State` with their units.
+        The states, as names or :class:`trackmetrics.logs.State` with their units.
     times, title, backend, dark
         As in :func:`ospa_figure`.
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from trackmetrics.diagnostics import State, StateDiagnosis
+from trackmetrics.diagnostics import StateDiagnosis
+from trackmetrics.logs import State
 from trackmetrics.report.axes import (
     Limits,
     angle_ticks,
