@@ -78,7 +78,7 @@ def test_all_vessels_under_way_run_through(solent, tmp_path, capsys):
     assert "Look at this first: " in table
     assert sum(line[:9].isdigit() for line in predictions.splitlines()) == 17
     assert page.stat().st_size < 10e6
-    from trackmetrics.diagnostics import read_log
+    from trackmetrics.logs import read_log
 
     again = read_log(log)
     assert len(again.tracks) == 17

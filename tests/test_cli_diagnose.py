@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trackmetrics.cli import main
-from trackmetrics.diagnostics import EstimatorLog
+from trackmetrics.logs import EstimatorLog
 
 
 @pytest.fixture

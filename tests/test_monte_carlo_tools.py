@@ -12,15 +12,10 @@ import pytest
 from trackmetrics.cli import main
 from trackmetrics.cli.sweep import grid
 from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
+from trackmetrics.report import heatmap_figure, render_sweep_page, sweep_figure
+from trackmetrics.report.heatmap_scene import _outline, heatmap_scene
 from trackmetrics.report.scene import Line, Rects
-from trackmetrics.report.sweep_page import render_sweep_page
-from trackmetrics.report.sweep_scenes import (
-    _outline,
-    heatmap_figure,
-    heatmap_scene,
-    sweep_figure,
-    sweep_scene,
-)
+from trackmetrics.report.sweep_scenes import sweep_scene
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))

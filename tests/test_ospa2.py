@@ -102,7 +102,7 @@ def test_empty_sides():
     assert result.ospa2.tolist() == [0.0, 3.0, 3.0]
     assert result.cardinality.tolist() == [0.0, 3.0, 3.0]
     assert ospa2([([], [])], [([], np.empty((0, 2)))], 3, 2, times=[0]).ospa2.tolist() == [0.0]
-    assert result.to_dict()["times"].tolist() == [1, 2, 3]
+    assert result.to_dict()["times"] == [1, 2, 3]
 
 
 def test_one_thread_and_two_give_the_same_bits():

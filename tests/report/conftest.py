@@ -14,15 +14,14 @@ from trackmetrics.diagnostics import (
     VERDICTS,
     Bias,
     Diagnosis,
-    EstimatorLog,
     Outlier,
     QuantityVerdict,
     Segment,
-    State,
     StateDiagnosis,
     Whiteness,
     diagnose,
 )
+from trackmetrics.logs import EstimatorLog, State
 
 STATES = (
     State("lat", "deg"),
@@ -228,7 +227,7 @@ def fleet():
 @pytest.fixture(scope="session")
 def fleet_page(fleet):
     """Its page."""
-    return report.page(fleet[1], fleet[0])
+    return report.render_page(fleet[1], fleet[0])
 
 
 @pytest.fixture

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from trackmetrics import report
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
+from trackmetrics.diagnostics import Diagnosis, diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.scene import Points
 from trackmetrics.report.track_scene import track_scene
@@ -183,7 +184,7 @@ def test_names_are_shown_as_they_are():
     log = EstimatorLog.from_columns(track=[name] * 9, nis=[1.0, 2.0, 3.0] * 3, nis_dof=2)
     figure = report.overview_figure(diagnose(log), log, backend="plotly")
     assert list(figure.layout.yaxis.ticktext) == ["&lt;b&gt;a &amp; b&lt;/b&gt; %&#123;x}"]
-    assert "<b>a" not in report.page(diagnose(log), log)
+    assert "<b>a" not in report.render_page(diagnose(log), log)
 
 
 @pytest.primitive.parametrize("backend", BACKENDS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trackmetrics import ospa, report
-from trackmetrics.diagnostics import State
+from trackmetrics.logs import State
 from trackmetrics.report.scene import Band, Line
 from trackmetrics.report.score_scenes import gospa_scene
 

@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, TrackDiagnosis
+from trackmetrics.diagnostics import Diagnosis, TrackDiagnosis
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel import HeldOut
 
 

@@ -4,7 +4,8 @@ import argparse
 import json
 from pathlib import Path
 
-from trackmetrics.diagnostics import Diagnosis, TrackDiagnosis, diagnose, read_log
+from trackmetrics.diagnostics import Diagnosis, TrackDiagnosis, diagnose
+from trackmetrics.logs import read_log
 
 _EXPLANATION = """
 Reads the log of an estimator (.jsonl, .csv or .parquet; one row per update) and says for every

@@ -8,7 +8,8 @@ import numpy as np
 
 from trackmetrics._progress import watched
 from trackmetrics.cli._output import print_verdicts, write_html
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
+from trackmetrics.diagnostics import Diagnosis, diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel import (
     HeldOut,
     Recording,

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from trackmetrics.results import Result
+
 
 def plain(value: Any) -> Any:
     """A Python number for an array without axes, the array otherwise."""
@@ -16,17 +18,12 @@ def plain(value: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class _Result:
-    """Frozen, with Python numbers instead of NumPy's, and readable as a dictionary."""
+class _Result(Result):
+    """Frozen, with Python numbers instead of NumPy's."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
             object.__setattr__(self, field.name, plain(getattr(self, field.name)))
-
-    def to_dict(self) -> dict[str, Any]:
-        """The fields by name; arrays as lists."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
 
 
 @dataclass(frozen=True, eq=False)

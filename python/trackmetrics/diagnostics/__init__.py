@@ -1,5 +1,6 @@
-"""Is the filter honest, since when, and which state? A log of an estimator, and its diagnosis."""
+"""Diagnosis of an estimator's log: is the filter consistent, since when not, and which state?"""
 
+from trackmetrics import _deprecated
 from trackmetrics.diagnostics.diagnose import diagnose
 from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
 from trackmetrics.diagnostics.records import (
@@ -12,24 +13,20 @@ from trackmetrics.diagnostics.records import (
     Whiteness,
 )
 from trackmetrics.diagnostics.results import Diagnosis, TrackDiagnosis
-from trackmetrics.logs.header import State
-from trackmetrics.logs.log import EstimatorLog
-from trackmetrics.logs.read import read_log
 
 __all__ = [
     "VERDICTS",
     "Bias",
     "Diagnosis",
-    "EstimatorLog",
     "LiveMonitor",
     "LiveStatus",
     "Outlier",
     "QuantityVerdict",
     "Segment",
-    "State",
     "StateDiagnosis",
     "TrackDiagnosis",
     "Whiteness",
     "diagnose",
-    "read_log",
 ]
+
+__getattr__ = _deprecated.module_getattr(__name__)

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog
+from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report.draw import Backend, draw
 
 

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from trackmetrics._format import number, p_value
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog
+from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.comparison_scene import comparison_scene
 from trackmetrics.report.holdout_section import predictions

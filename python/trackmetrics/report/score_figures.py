@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from trackmetrics.diagnostics import State
+from trackmetrics.logs import State
 from trackmetrics.report.draw import Backend, draw
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics.diagnostics import State
+from trackmetrics.logs import State
 from trackmetrics.report.axes import TimeAxis, linear_limits
 from trackmetrics.report.layout import Frame
 from trackmetrics.report.scene import (

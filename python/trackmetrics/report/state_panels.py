@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from trackmetrics.diagnostics import State, StateDiagnosis
+from trackmetrics.diagnostics import StateDiagnosis
+from trackmetrics.logs import State
 from trackmetrics.report.angles import angle_ticks, break_at_jumps, unwrap, wrap_near
 from trackmetrics.report.axes import Limits, drop_nan, linear_limits, log_limits, on_log_axis
 from trackmetrics.report.layout import Frame

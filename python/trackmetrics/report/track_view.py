@@ -6,15 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics.diagnostics import (
-    Diagnosis,
-    EstimatorLog,
-    QuantityVerdict,
-    Segment,
-    State,
-    TrackDiagnosis,
-)
+from trackmetrics.diagnostics import Diagnosis, QuantityVerdict, Segment, TrackDiagnosis
 from trackmetrics.diagnostics.timeline import Timeline
+from trackmetrics.logs import EstimatorLog, State
 from trackmetrics.logs.columns import Columns, incomplete
 from trackmetrics.report.scene import Floats, floats
 from trackmetrics.report.theme import TrackStyle, track_styles
