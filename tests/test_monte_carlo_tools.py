@@ -54,7 +54,7 @@ def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
     assert "runs failed" in (tmp_path / "out.html").read_text()
 
 
-@pytest.primitive.parametrize(
+@pytest.mark.parametrize(
     ("words", "message"),
     [
         (["honest"], "expected MODULE:FUNCTION, got 'honest'"),
@@ -79,8 +79,8 @@ def test_values_of_a_grid_are_literals_or_words():
     assert grid([]) is None
 
 
-@pytest.primitive.parametrize("dark", [False, True])
-@pytest.primitive.parametrize("backend", ["matplotlib", "plotly"])
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("backend", ["matplotlib", "plotly"])
 def test_figures_are_drawn_by_both_libraries(two_parameters, backend, dark):
     one = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
     options = {"backend": backend, "dark": dark}
@@ -168,7 +168,7 @@ def test_the_example_finds_the_true_process_noise(capsys):
     assert "the honest filter has q = 0.1 (true: 0.1)" in capsys.readouterr().out
 
 
-@pytest.primitive.parametrize(
+@pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"levels": 0.5}, "levels must be a sequence of numbers, got 0.5"),

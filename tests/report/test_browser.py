@@ -8,7 +8,7 @@ import pytest
 
 from trackmetrics import report
 
-pytestmark = pytest.primitive.browser
+pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def check_page(browser, diagnosis):
     quiet(browser)
 
 
-@pytest.primitive.data
+@pytest.mark.data
 def test_the_published_run(browser, tmp_path, published):
     log, diagnosis = published
     opened(browser, tmp_path / "out.html", log, diagnosis)

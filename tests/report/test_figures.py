@@ -33,13 +33,13 @@ def words_of(figure, backend):
     return [t.get_text() for t in texts] + [a.get_title(loc="left") for a in figure.axes]
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
-@pytest.primitive.parametrize("dark", [False, True])
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("dark", [False, True])
 def test_a_track_shows_everything_with_its_units(small, backend, dark):
     log, diagnosis = small
     figure = report.track_figure(diagnosis, log, "vessel 000", backend=backend, dark=dark)
     x, y = axes_labels(figure, backend)
-    assert {"NIS / dof", "NEES / 5", "support", "sog (kt)", "turn_rate (deg/s)"} <= set(y)
+    assert {"NIS / dof", "NEES / 5", "type", "sog (kt)", "turn_rate (deg/s)"} <= set(y)
     assert y.count("σ / reference") == y.count("error / σ") == 5
     assert "minutes since start, 2023-11-14 22:16:20 UTC" in x
     said = " ".join(words_of(figure, backend))
@@ -47,7 +47,7 @@ def test_a_track_shows_everything_with_its_units(small, backend, dark):
         assert words in said
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_the_axes_of_consistency_are_logarithmic(small, backend):
     log, diagnosis = small
     figure = report.track_figure(diagnosis, log, "vessel 001", backend=backend)
@@ -127,7 +127,7 @@ def test_a_log_of_nis_alone_and_no_log_at_all(small):
         report.overview_figure(diagnosis, log, backend="bokeh")
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_the_overview_is_sorted_by_severity(small, backend):
     log, diagnosis = small
     figure = report.overview_figure(diagnosis, log, backend=backend)
@@ -146,7 +146,7 @@ def test_the_overview_is_sorted_by_severity(small, backend):
         assert all(a.x > 1 for a in beside)
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_the_comparison_lists_at_most_eight_tracks(fleet, backend):
     log, diagnosis = fleet
     figure = report.comparison_figure(diagnosis, log, backend=backend)
@@ -187,7 +187,7 @@ def test_names_are_shown_as_they_are():
     assert "<b>a" not in report.render_page(diagnose(log), log)
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_names_are_neither_roles_nor_formulas(backend):
     for name in ("@ship", "$x_{", "a_b$c$"):
         log = EstimatorLog.from_columns(track=[name] * 9, nis=[1.0, 2.0, 3.0] * 3, nis_dof=2)

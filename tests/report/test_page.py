@@ -144,7 +144,7 @@ def test_the_same_diagnosis_gives_the_same_file(small, html, tmp_path):
     assert path.read_text(encoding="utf-8") == html
 
 
-@pytest.primitive.data
+@pytest.mark.data
 def test_states_that_are_published_alone_have_their_panels(published):
     log, diagnosis = published
     document = Document(report.render_page(diagnosis, log))
@@ -168,7 +168,7 @@ def test_updates_that_lack_components_are_small_in_the_support_strip():
     )
     diagnosis = diagnose(log)
     document = Document(report.render_page(diagnosis, log))
-    sheet = unpacked(document, "data-0")["track"]
+    figure = unpacked(document, "data-0")["track"]
     sizes = {t["name"]: len(t["x"]) for t in figure["data"] if t["yaxis"] == "y2"}
     assert sizes == {"radar": 20, "radar, some components missing": 10}
     assert "10 innovations lack components" in diagnosis["track"].text

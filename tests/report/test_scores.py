@@ -40,7 +40,7 @@ def gospa(steps=6):
     return SimpleNamespace(distance=np.sqrt(sum(parts.values())), **parts)
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_ospa(backend):
     results = [ospa([[0.0, 0.0]], [[0.5 * k, 0.0]], c=10, p=2) for k in range(4)]
     figure = report.ospa_figure(results, times=[5, 65, 125, 185], backend=backend, unit="km")
@@ -54,7 +54,7 @@ def test_ospa(backend):
     assert labels(steps, backend)[0] == ["frame"]
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_gospa(backend):
     figure = report.gospa_figure(gospa(), backend=backend, dark=True)
     assert labels(figure, backend) == (["frame"], ["GOSPA (m)", "parts (m²)"])
@@ -71,7 +71,7 @@ def test_the_parts_of_gospa_stand_on_each_other():
     assert len(gospa_scene(each, None, "m", 2.0, "").panels[0].primitives[0].y) == 3
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_rmse(backend):
     rmse = np.array([[1.0, 0.1], [2.0, 0.2], [1.5, 0.3]])
     statistics = SimpleNamespace(
@@ -90,14 +90,14 @@ def test_rmse(backend):
         report.rmse_figure(statistics, states=states, times=[0, 1], backend=backend)
 
 
-@pytest.primitive.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_coverage(backend):
     p = np.arange(1, 100) / 100
     curve = SimpleNamespace(probability=p, share=p**1.2, lower=p - 0.1, upper=p + 0.1, count=300)
     figure = report.coverage_figure(curve, backend=backend)
-    wanted = (["share that the region promises"], ["share of errors inside"])
+    wanted = (["nominal probability"], ["fraction of errors inside"])
     assert labels(figure, backend) == wanted
-    assert listed(figure, backend) == ["interval", "honest", "share inside"]
+    assert listed(figure, backend) == ["interval", "consistent", "observed"]
 
 
 def test_lines_keep_their_gaps():

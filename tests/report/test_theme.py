@@ -63,8 +63,8 @@ def contrast(a, b):
     return (high + 0.05) / (low + 0.05)
 
 
-@pytest.primitive.parametrize("name", ["light", "dark"])
-@pytest.primitive.parametrize("vision", _VISION)
+@pytest.mark.parametrize("name", ["light", "dark"])
+@pytest.mark.parametrize("vision", _VISION)
 def test_tracks_stay_apart(name, vision):
     colours = theme.theme(name == "dark").colours
     tracks = [colours[f"track-{i}"] for i in range(theme.TRACK_COLOURS)]
@@ -73,7 +73,7 @@ def test_tracks_stay_apart(name, vision):
         assert np.linalg.norm(seen(a, vision) - seen(b, vision)) > least, (a, b)
 
 
-@pytest.primitive.parametrize("chosen", theme.THEMES, ids=lambda t: t.name)
+@pytest.mark.parametrize("chosen", theme.THEMES, ids=lambda t: t.name)
 def test_everything_is_legible(chosen):
     for role, colour in chosen.colours.items():
         if role in ("ink", "muted", "high", "warning", "low", "consistent", "unknown"):
@@ -86,7 +86,7 @@ def test_every_verdict_has_a_colour_a_shape_and_words():
     for verdict in VERDICTS:
         assert theme.verdict_role(verdict) in theme.LIGHT.colours
         assert theme.verdict_symbol(verdict)
-        assert "_" not in theme.words(verdict)
+        assert "_" not in theme.verdict_label(verdict)
 
 
 def test_a_role_with_an_opacity():
