@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from trackmetrics.cli import main
-from trackmetrics.cli.sweep import grid
+from trackmetrics.cli.sweep import parse_grid
 from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
 from trackmetrics.report import heatmap_figure, render_sweep_page, sweep_figure
 from trackmetrics.report.heatmap_scene import _outline, heatmap_scene
@@ -36,14 +36,22 @@ def test_the_command_prints_each_setting_and_the_best(capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split()[:4] == ["claimed", "runs", "nees", "squared_error[0]"]
     assert [line.split()[0] for line in lines[1:4]] == ["0.5", "*", "2"]
-    assert lines[4].startswith("* best by |ln anees|: ")
-    assert lines[5].endswith("more than chance")
+    assert lines[5].startswith("* best by |ln anees|: ")
+    assert lines[6].endswith("more than chance")
 
 
 def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
-    words = ["sweep", "monte_carlo_cases:failing", "--runs", "30", "--format", "json", "--collect"]
+    words = [
+        "sweep",
+        "monte_carlo_cases:failing",
+        "--runs",
+        "30",
+        "--format",
+        "json",
+        "--keep-going",
+    ]
     words += ["--checkpoint", str(tmp_path / "s.ckpt"), "--html", str(tmp_path / "out.html")]
-    words += ["--parquet", str(tmp_path / "out.parquet"), "--workers", "2", "--chunk", "9"]
+    words += ["--parquet", str(tmp_path / "out.parquet"), "--workers", "2", "--chunk-size", "9"]
     assert main([*words, "--grid", "claimed=1.0"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["settings"]["claimed"] == [1.0]
@@ -62,7 +70,7 @@ def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
         (["monte_carlo_cases:f"], "monte_carlo_cases has no f"),
         ([NAME, "--grid", "claimed"], "--grid expects NAME=VALUE,..., got 'claimed'"),
         ([NAME, "--runs", "0"], "runs must be a whole number, at least 1, got 0"),
-        ([NAME, "--runs", "2", "--best", "ospa"], "there is no score 'ospa'"),
+        ([NAME, "--runs", "2", "--rank-by", "ospa"], "there is no score 'ospa'"),
     ],
 )
 def test_the_command_says_what_is_wrong(capsys, words, message):
@@ -71,12 +79,12 @@ def test_the_command_says_what_is_wrong(capsys, words, message):
 
 
 def test_values_of_a_grid_are_literals_or_words():
-    assert grid(["q=0.01,0.1,1", "motion=cv,ca", "gate=True"]) == {
+    assert parse_grid(["q=0.01,0.1,1", "motion=cv,ca", "gate=True"]) == {
         "q": [0.01, 0.1, 1],
         "motion": ["cv", "ca"],
         "gate": [True],
     }
-    assert grid([]) is None
+    assert parse_grid([]) is None
 
 
 @pytest.mark.parametrize("dark", [False, True])
@@ -155,7 +163,7 @@ def test_a_page_stands_alone():
     assert all(address.startswith("data:image/svg+xml") for address in addresses)
     assert "<h1>&lt;a &amp; b&gt;</h1>" in page
     assert page.count("<tr>") == 3
-    assert page.count("<tr class='best'>") == 1
+    assert page.count('<tr class="best">') == 1
     assert "is best by |ln anees|" in page
 
 
