@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics import _deprecated
+
 
 def to_json(value: Any) -> Any:
     """A value as JSON knows it: numbers, strings, lists and dictionaries.
@@ -121,16 +123,18 @@ class ConsistencyResult(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class OSPA2Result(Result):
-    """OSPA(2) over time; ``ospa2 ** p == localization ** p + cardinality ** p`` at each time."""
+    """OSPA(2) over time; ``distance ** p == localization ** p + cardinality ** p`` at each time."""
 
     times: NDArray[np.float64]
     """When it was evaluated, shape (T,)."""
-    ospa2: NDArray[np.float64]
+    distance: NDArray[np.float64]
     """The distance, in the unit of the states; 0 is best, ``c`` is worst."""
     localization: NDArray[np.float64]
     """The part owed to the distances of matched tracks."""
     cardinality: NDArray[np.float64]
     """The part owed to the difference in the number of tracks."""
+
+    ospa2 = _deprecated.attribute("distance")
 
 
 @dataclass(frozen=True, eq=False)

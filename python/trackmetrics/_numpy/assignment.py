@@ -38,7 +38,7 @@ def linear_sum_assignment_batch(costs: Any, maximize: object) -> Any:
         try:
             found.append(linear_sum_assignment(matrix, maximize))
         except ValueError as error:
-            raise errors.matrix(index, error) from None
+            raise errors.in_matrix(index, error) from None
     if listed:
         return found
     shape = len(costs), min(costs.shape[1:])

@@ -14,7 +14,7 @@ LARGEST = 1 << 24
 def squares(x: Floats, y: Floats) -> Floats:
     """Squared Euclidean distances, axis after axis as in the core."""
     if len(x) * len(y) > LARGEST:
-        raise errors.memory(len(x) * len(y), 8 * len(x) * len(y))
+        raise errors.too_many_pairs(len(x) * len(y), 8 * len(x) * len(y))
     sums = np.zeros((len(x), len(y)))
     if sums.size:
         with np.errstate(over="ignore", under="ignore"):

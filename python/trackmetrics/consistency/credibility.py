@@ -9,8 +9,6 @@ from trackmetrics._check import Floats
 from trackmetrics.consistency._input import components, errors_of_runs, nees_check, whitened
 from trackmetrics.consistency.results import CredibilityIndex, SignificanceTest
 
-_DECIBEL = 10 / np.log(10)
-
 
 def noncredibility_index(
     errors: Any, covariances: Any, *, reference: str = "sample"
@@ -104,9 +102,9 @@ def inclination_index(
     if reference == "sample":
         return CredibilityIndex(value, np.nan, np.nan, np.nan)
     special = _distributions.special()
-    deviation = _DECIBEL * np.sqrt(special.polygamma(1, d / 2) / logs.size)
-    bound = special.ndtri((1 + confidence) / 2) * deviation
-    p_value = 2 * special.ndtr(-np.abs(value) / deviation)
+    deviation = _distributions.DECIBELS * np.sqrt(special.polygamma(1, d / 2) / logs.size)
+    bound = _distributions.normal_quantile((1 + confidence) / 2) * deviation
+    p_value = _distributions.normal_p_value(value / deviation)
     return CredibilityIndex(value, -bound, bound, p_value)
 
 
@@ -121,11 +119,11 @@ def _log_ratios(errors: Any, covariances: Any, reference: str) -> Floats:
         # An error of exactly zero agrees with any covariance.
         with np.errstate(invalid="ignore"):
             ratio = claimed / nees_check(e, _mean_square(e), "errors", "the mean square error")
-        agreed: Floats = _DECIBEL * np.log(np.where(np.isfinite(ratio), ratio, 1.0))
+        agreed: Floats = _distributions.DECIBELS * np.log(np.where(np.isfinite(ratio), ratio, 1.0))
         return agreed
-    expected = np.log(2) + _distributions.special().digamma(d / 2)
+    expected = _distributions.chi2_log_mean(d)
     with np.errstate(divide="ignore"):
-        logs: Floats = _DECIBEL * (np.log(claimed) - expected)
+        logs: Floats = _distributions.DECIBELS * (np.log(claimed) - expected)
     return logs
 
 

@@ -83,7 +83,7 @@ def subspace_nees(true_state: Any, estimated_state: Any, covariance: Any, indice
 
 def _index(index: int, place: int, length: int) -> int:
     if not -length <= index < length:
-        raise errors.outside("indices", place, index, length)
+        raise errors.index_out_of_range("indices", place, index, length)
     return index % length
 
 
