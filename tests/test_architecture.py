@@ -15,8 +15,10 @@ MAX_LINES = 400
 
 LAYERS = (
     ("_version", "_deprecated", "errors", "results"),
-    ("_numpy", "_native", "_backend", "_check", "_angles", "_covariances", "_distributions")
-    + ("_format", "_progress", "_tables"),
+    (
+        *("_numpy", "_native", "_backend", "_check", "_angles", "_covariances"),
+        *("_distributions", "_format", "_progress", "_tables"),
+    ),
     ("accuracy", "assignment", "point_sets", "trajectories", "consistency", "logs", "tracks"),
     ("tracking", "diagnostics", "monte_carlo"),
     ("vessel",),

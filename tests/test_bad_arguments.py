@@ -155,8 +155,10 @@ def test_what_is_right_is_taken(name):
 def test_what_is_wrong_is_named(name, argument):
     """A wrong shape may be told by what does not fit it: then that argument, or the axis, is."""
     for what, value in NOT_REAL.items():
-        native, twin = (said(name, argument, value, backend) for backend in ("native", "numpy"))
-        assert native == twin, what
+        native, reference = (
+            said(name, argument, value, backend) for backend in ("native", "numpy")
+        )
+        assert native == reference, what
         if native is not None:
             kind, text = native
             assert issubclass(kind, TypeError | ValueError), (what, native)

@@ -1,7 +1,7 @@
 """The statistics of trackmetrics.consistency: closed forms, and null distributions by simulation.
 
-The simulated filter is honest: a nearly constant velocity in two dimensions, seen by two sensors in
-turn. Every test with a nominal 5 % must reject about 5 % of its runs.
+The simulated filter is consistent: a nearly constant velocity in two dimensions, seen by two
+sensors in turn. Every test with a nominal 5 % must reject about 5 % of its runs.
 """
 
 import json
@@ -17,7 +17,7 @@ RUNS, STEPS, STATES, MEASURED = 2000, 60, 4, 2
 
 
 class Simulation:
-    """An honest Kalman filter over many runs: errors, innovations and its matrices."""
+    """A consistent Kalman filter over many runs: errors, innovations and its matrices."""
 
     def __init__(self, runs=RUNS, steps=STEPS, seed=7):
         rng = np.random.default_rng(seed)
@@ -314,7 +314,7 @@ def test_coverage(sim):
     assert test.share == share
 
 
-def test_clopper_pearson_holds_what_it_promises():
+def test_clopper_pearson_holds_what_it_claims():
     """The interval of 19 in 20, and all and nothing, as tables have them."""
     values = np.r_[np.zeros(19), 100.0]
     test = consistency.coverage(values, 1)

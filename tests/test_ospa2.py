@@ -1,4 +1,4 @@
-"""OSPA(2) against its definition, the twin, and the authors' values."""
+"""OSPA(2) against its definition, the reference implementation, and the authors' values."""
 
 import itertools
 import json
@@ -61,7 +61,7 @@ def random_side(rng, d, times, scale):
     st.sampled_from(["euclidean", "p-norm"]),
     st.sampled_from([1, 2, 3.5, math.inf]),
 )
-def test_kernel_twin_and_definition_agree(seed, scale, orders, base, window):
+def test_kernel_reference_and_definition_agree(seed, scale, orders, base, window):
     rng = np.random.default_rng(seed)
     d, (p, q) = int(rng.integers(1, 4)), orders
     clock = np.arange(7) * rng.choice([0.5, 1.0, 10.0])

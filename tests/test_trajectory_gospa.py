@@ -153,8 +153,8 @@ def test_a_switch_that_is_too_dear_is_never_made():
         [(times, rng.normal(size=4)) for _ in range(3)]
         for rng in map(np.random.default_rng, (1, 2))
     )
-    dear, dearer = (trajectory_gospa(one, many, 1.0, 2, gamma).distance for gamma in (1e2, 1e200))
-    assert dear == pytest.approx(dearer, rel=1e-7)
+    costly, larger = (trajectory_gospa(one, many, 1.0, 2, gamma).distance for gamma in (1e2, 1e200))
+    assert costly == pytest.approx(larger, rel=1e-7)
 
 
 def test_nothing():

@@ -7,7 +7,7 @@ other, so that a message does not depend on the backend.
 from collections.abc import Sequence
 
 
-class NotPlain(TypeError):  # noqa: N818 - a signal between two floors, not a user's error
+class NotPlain(TypeError):  # noqa: N818 - a signal between two layers, not a user's error
     """An argument is not in the form that a kernel reads by itself.
 
     Internal: the public function converts the argument and calls the kernel again.

@@ -57,9 +57,9 @@ class OSPAResult(NamedTuple):
     ospa: float
     """The distance."""
     localization: float
-    """The part owed to the distances of matched points."""
+    """The part due to the distances of matched points."""
     cardinality: float
-    """The part owed to the difference in cardinality."""
+    """The part due to the difference in cardinality."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,16 +107,16 @@ class MOTMetrics(NamedTuple):
 
 
 class ConsistencyResult(NamedTuple):
-    """Whether the mean of NEES or NIS values is what chance allows, and its limits."""
+    """Whether the mean of NEES or NIS values lies in its acceptance interval, and its limits."""
 
     is_consistent: bool
     """Whether the mean lies within the bounds, both included."""
     statistic: float
     """The mean of the values."""
     lower_bound: float
-    """The least mean that chance allows; below it, the filter is too pessimistic."""
+    """Lower bound of the acceptance interval; below it, the filter is pessimistic."""
     upper_bound: float
-    """The greatest mean that chance allows; above it, the filter is too optimistic."""
+    """Upper bound of the acceptance interval; above it, the filter is optimistic."""
     mean_value: float
     """The mean of the values, once more."""
 
@@ -130,9 +130,9 @@ class OSPA2Result(Result):
     distance: NDArray[np.float64]
     """The distance, in the unit of the states; 0 is best, ``c`` is worst."""
     localization: NDArray[np.float64]
-    """The part owed to the distances of matched tracks."""
+    """The part due to the distances of matched tracks."""
     cardinality: NDArray[np.float64]
-    """The part owed to the difference in the number of tracks."""
+    """The part due to the difference in the number of tracks."""
 
     ospa2 = _deprecated.attribute("distance")
 
@@ -171,13 +171,13 @@ class TrajectoryGOSPAResult(Result):
     times: NDArray[np.float64]
     """The times at which something exists, shape (T,)."""
     localization: NDArray[np.float64]
-    """Owed to the distances of states that are followed, shape (T,)."""
+    """Due to the distances of states that are followed, shape (T,)."""
     missed: NDArray[np.float64]
-    """Owed to states of the truth that nobody follows, shape (T,)."""
+    """Due to states of the truth that no track follows, shape (T,)."""
     false: NDArray[np.float64]
-    """Owed to states of tracks that follow nobody, shape (T,)."""
+    """Due to states of tracks that follow no truth, shape (T,)."""
     switching: NDArray[np.float64]
-    """Owed to changes from each time to the next, shape (T - 1,)."""
+    """Due to changes from each time to the next, shape (T - 1,)."""
 
     def totals(self) -> dict[str, float]:
         """The four parts, summed over time."""

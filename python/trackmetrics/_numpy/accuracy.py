@@ -1,4 +1,4 @@
-"""Root mean square errors: twin of ``accuracy`` in the core."""
+"""Root mean square errors: reference implementation of ``accuracy`` in the core."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Who is matched with whom: twin of ``assignment`` in the core."""
+"""Assignment: reference implementation of ``assignment`` in the core."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""Distances between sets of trajectories: twin of ``trajectories`` in the core."""
+"""Distances between sets of trajectories: reference of ``trajectories`` in the core."""
 
 import math
 from typing import Any

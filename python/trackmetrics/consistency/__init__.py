@@ -1,4 +1,4 @@
-"""Is a filter honest about its own uncertainty?
+"""Consistency of a filter: do its errors agree with its covariance?
 
 | file | what it holds |
 | --- | --- |

@@ -183,12 +183,12 @@ def nees_over_time(
         As in :func:`nees_correlation_time`. Without them tau is estimated from the values
         themselves (:func:`correlation_time` of their normal scores), which is less reliable.
     confidence : float
-        Probability that an honest filter passes.
+        Probability that a consistent filter passes.
 
     Returns
     -------
     MeanTest
-        1 is honest; ``dof`` are the degrees of freedom that are left.
+        1 is consistent; ``dof`` are the degrees of freedom that are left.
 
     Raises
     ------
@@ -198,7 +198,7 @@ def nees_over_time(
 
     Notes
     -----
-    Taking the values as independent rejects honest filters in 14-23 % of runs where 5 % are
+    Taking the values as independent rejects consistent filters in 14-23 % of runs where 5 % are
     nominal.
 
     Examples

@@ -25,14 +25,14 @@ def coverage(
     dof : float or array_like of the same shape
         Degrees of freedom of each value.
     probability : float or array_like
-        What the region promises, between 0 and 1.
+        Nominal probability of the region, between 0 and 1.
     confidence : float
         Of the Clopper-Pearson interval.
 
     Returns
     -------
     Coverage
-        Of the shape of ``probability``. Less than promised is optimistic, more pessimistic.
+        Of the shape of ``probability``. Less than nominal is optimistic, more pessimistic.
 
     Raises
     ------
@@ -54,34 +54,34 @@ def coverage(
     _check.fraction("confidence", confidence)
     array = statistics("values", values)
     dof = degrees(dof, array.shape)
-    promised = _check.floats("probability", probability)
-    if not ((promised > 0) & (promised < 1)).all():
+    nominal = _check.floats("probability", probability)
+    if not ((nominal > 0) & (nominal < 1)).all():
         raise ValueError("probability must be between 0 and 1, both excluded")
     # One region after the other: what is compared is the value, so that its edge is inside.
-    regions = [(array <= _distributions.chi2_quantile(p, dof)).sum() for p in promised.ravel()]
-    inside = np.array(regions, dtype=np.int64).reshape(promised.shape)
+    regions = [(array <= _distributions.chi2_quantile(p, dof)).sum() for p in nominal.ravel()]
+    inside = np.array(regions, dtype=np.int64).reshape(nominal.shape)
     lower, upper = _distributions.clopper_pearson(inside, array.size, confidence)
-    fair = (lower <= promised) & (promised <= upper)
-    return Coverage(promised, inside / array.size, lower, upper, inside, array.size, fair)
+    fair = (lower <= nominal) & (nominal <= upper)
+    return Coverage(nominal, inside / array.size, lower, upper, inside, array.size, fair)
 
 
 @_deprecated.parameters(df="dof")
 def coverage_curve(
     values: Any, dof: Any, probabilities: Any = None, *, confidence: float = 0.95
 ) -> Coverage:
-    """The coverage of every region: what it holds against what it promises.
+    """The coverage of every region: observed fraction against nominal probability.
 
     Parameters
     ----------
     values, dof, confidence
         As in :func:`coverage`.
     probabilities : array_like, optional
-        What regions promise; 0.01, 0.02, ... 0.99 by default.
+        Nominal probabilities of the regions; 0.01, 0.02, ... 0.99 by default.
 
     Returns
     -------
     Coverage
-        Arrays; the shares of an honest filter lie on the diagonal.
+        Arrays; the shares of a consistent filter lie on the diagonal.
 
     Raises
     ------
@@ -94,8 +94,8 @@ def coverage_curve(
     >>> coverage_curve(np.arange(1.0, 9.0), 4, [0.25, 0.5, 0.75]).share
     array([0.125, 0.375, 0.625])
     """
-    promised = np.arange(1, 100) / 100 if probabilities is None else probabilities
-    return coverage(values, dof, np.atleast_1d(promised), confidence=confidence)
+    nominal = np.arange(1, 100) / 100 if probabilities is None else probabilities
+    return coverage(values, dof, np.atleast_1d(nominal), confidence=confidence)
 
 
 @_deprecated.parameters(df="dof")
@@ -114,7 +114,7 @@ def pit_test(values: Any, dof: Any, *, confidence: float = 0.95) -> UniformityTe
     dof : float or array_like of the same shape
         Degrees of freedom of each value.
     confidence : float
-        Probability that an honest filter passes, in each test.
+        Probability that a consistent filter passes, in each test.
 
     Returns
     -------
@@ -128,8 +128,8 @@ def pit_test(values: Any, dof: Any, *, confidence: float = 0.95) -> UniformityTe
 
     Notes
     -----
-    On the NEES of one run both reject honest filters too often (14 % at a nominal 5 %), since it is
-    correlated. P-values are those of many values with Stephens's corrections for few, good to
+    On the NEES of one run both reject consistent filters too often (14 % at a nominal 5 %), since
+    it is correlated. P-values are those of many values with Stephens's corrections for few, good to
     a hundredth from five values on.
 
     References
@@ -173,7 +173,7 @@ def _cramer_von_mises_sf(square: float) -> float:
 
 @_deprecated.parameters(df="dof")
 def excess_nll(nees_values: Any, dof: Any) -> Floats:
-    """Negative log likelihood of the truth, over what an honest filter expects of it.
+    """Negative log likelihood of the truth, over what a consistent filter expects of it.
 
         excess = (nees - d) / 2
 
@@ -189,7 +189,7 @@ def excess_nll(nees_values: Any, dof: Any) -> Floats:
     Returns
     -------
     ndarray
-        In nats; 0 on average where the filter is honest, above where it is optimistic.
+        In nats; 0 on average where the filter is consistent, above where it is optimistic.
 
     Raises
     ------
@@ -220,8 +220,8 @@ def gaussian_crps(errors: Any, covariances: Any) -> Floats:
     Returns
     -------
     ndarray of shape (..., d)
-        In the units of the states, at least 0, less is better: small errors and honest claims both
-        help. An honest Gaussian filter expects ``s / sqrt(pi)``.
+        In the units of the states, at least 0, less is better: small errors and consistent
+        covariances both help. A consistent Gaussian filter expects ``s / sqrt(pi)``.
 
     Raises
     ------

@@ -24,14 +24,14 @@ def noncredibility_index(
     covariances : array_like of shape (N, d, d), or (d, d) for all
         Their claimed covariances.
     reference : "sample" or "expected"
-        Sigma: the mean square error of these runs, or, in its place, the logarithm that an honest
-        filter's NEES has on average.
+        Sigma: the mean square error of these runs, or, in its place, the logarithm that a
+        consistent filter's NEES has on average.
 
     Returns
     -------
     CredibilityIndex
-        At least 0 dB; 0 is best. Chance alone gives more than 0 (0.7 dB for 50 runs of 4 states
-        with ``"sample"``), so there are no bounds.
+        At least 0 dB; 0 is best. A consistent filter has more than 0 (0.7 dB for 50 runs of 4
+        states with ``"sample"``), so there are no bounds.
 
     Raises
     ------
@@ -72,12 +72,13 @@ def inclination_index(
     reference : "expected" or "sample"
         What the claimed covariance is compared with.
     confidence : float
-        Probability that an honest filter is within the bounds.
+        Probability that a consistent filter is within the bounds.
 
     Returns
     -------
     CredibilityIndex
-        In dB, 0 is honest. With ``"expected"`` the bounds are ``+-1.96 sd / sqrt(N)``, where sd is
+        In dB, 0 is consistent. With ``"expected"`` the bounds are ``+-1.96 sd / sqrt(N)``, where
+        sd is
         the standard deviation of 10 log10 of a chi-square of d; with ``"sample"`` they are NaN.
 
     Raises
@@ -147,7 +148,7 @@ def covariance_test(errors: Any, covariances: Any, *, confidence: float = 0.95) 
     covariances : array_like of shape (N, d, d), or (d, d) for all
         Their claimed covariances.
     confidence : float
-        Probability that an honest filter passes.
+        Probability that a consistent filter passes.
 
     Returns
     -------

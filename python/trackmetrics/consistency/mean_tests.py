@@ -1,4 +1,4 @@
-"""Means of NEES and NIS with the interval that chance allows.
+"""Means of NEES and NIS with acceptance intervals.
 
 A sum of independent chi-squares is a chi-square of all their degrees of freedom; a weighted or
 correlated sum is taken as ``g chi2(h)`` with the right mean and variance (Satterthwaite).
@@ -39,12 +39,13 @@ def anees(nees_values: Any, dof: float, *, axis: int = 0, confidence: float = 0.
     axis : int
         The axis of the runs.
     confidence : float
-        Probability that an honest filter passes, at each time by itself.
+        Probability that a consistent filter passes, at each time by itself.
 
     Returns
     -------
     MeanTest
-        1 is honest, more optimistic, less pessimistic; with N d degrees of freedom.
+        1 if consistent; above 1 optimistic (covariance too small), below 1 pessimistic; with N d
+        degrees of freedom.
 
     Raises
     ------
@@ -84,12 +85,12 @@ def average_nis(nis_values: Any, dof: Any, *, axis: int = -1, confidence: float 
     axis : int
         The axis of time.
     confidence : float
-        Probability that an honest filter passes.
+        Probability that a consistent filter passes.
 
     Returns
     -------
     MeanTest
-        1 is honest, more optimistic, less pessimistic.
+        1 if consistent; above 1 optimistic (covariance too small), below 1 pessimistic.
 
     Raises
     ------
@@ -98,7 +99,7 @@ def average_nis(nis_values: Any, dof: Any, *, axis: int = -1, confidence: float 
 
     Notes
     -----
-    Exact: the innovations of an honest linear filter are independent. Test that by
+    Exact: the innovations of a consistent linear filter are independent. Test that by
     :func:`whiteness`.
 
     References
@@ -137,7 +138,7 @@ def moving_average_nis(
     window : int
         How many updates are averaged.
     confidence : float
-        Probability that an honest filter is inside, at each point by itself.
+        Probability that a consistent filter is inside, at each point by itself.
 
     Returns
     -------
@@ -151,7 +152,7 @@ def moving_average_nis(
 
     Notes
     -----
-    Neighbouring values share all but one update. Somewhere along a run an honest filter leaves a
+    Neighbouring values share all but one update. Somewhere along a run a consistent filter leaves a
     pointwise 95 % band far more often than in 5 % of runs (37 % for 60 updates and a window of 20).
 
     Examples
@@ -192,7 +193,7 @@ def fading_memory_nis(
     factor : float
         How much of the memory is kept, between 0 and 1.
     confidence : float
-        Probability that an honest filter is inside, at each point by itself.
+        Probability that a consistent filter is inside, at each point by itself.
 
     Returns
     -------

@@ -163,7 +163,7 @@ def ospa_from_distances(distances: Any, c: float = 100.0, p: float = 2.0) -> OSP
 
 
 def ospa_assignment(X: Any, Y: Any, c: float = 100.0, p: float = 2.0) -> NDArray[np.int64]:
-    """The pairs behind ``ospa``: who is matched with whom.
+    """The pairs behind ``ospa``: the matched points.
 
     Parameters
     ----------

@@ -208,7 +208,7 @@ class Parts:
 
     @classmethod
     def unassigned(cls, x: Trajectories, y: Trajectories, times: Floats) -> "Parts":
-        """The parts where nobody follows anybody."""
+        """The parts where nothing is matched."""
         missed, false = (np.bincount(steps(s, times), minlength=len(times)) / 2 for s in (x, y))
         return cls(np.zeros(len(times)), missed, false, np.zeros(max(len(times) - 1, 0)))
 
