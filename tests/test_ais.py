@@ -58,7 +58,7 @@ def test_every_trap_of_the_recording_is_met(solent):
 
 @pytest.fixture
 def native():
-    """The twin takes forty times as long over a recording, and gives the same numbers."""
+    """The reference takes forty times as long over a recording, and gives the same numbers."""
     with trackmetrics.use_backend("native"):
         yield
 

@@ -12,9 +12,9 @@ from trackmetrics.logs import EstimatorLog
 @pytest.fixture
 def logs(tmp_path):
     rng = np.random.default_rng(0)
-    honest = rng.chisquare(2, 60)
-    late = np.where(np.arange(60) < 40, honest, 9 * honest)
-    for name, nis in (("honest", honest), ("late", late)):
+    consistent = rng.chisquare(2, 60)
+    late = np.where(np.arange(60) < 40, consistent, 9 * consistent)
+    for name, nis in (("consistent", consistent), ("late", late)):
         EstimatorLog.from_columns(nis=nis, nis_dof=2).write(tmp_path / f"{name}.jsonl")
     return tmp_path
 
@@ -40,13 +40,13 @@ def test_times_count_from_the_start_of_the_log(tmp_path, capsys):
 
 
 def test_json_is_json_and_has_no_nan(logs, capsys):
-    assert main(["diagnose", str(logs / "honest.jsonl"), "--format", "json"]) == 0
+    assert main(["diagnose", str(logs / "consistent.jsonl"), "--format", "json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     assert found["tracks"]["track"]["verdict"] == "consistent"
 
 
 def test_check_fails_where_a_track_is_not_consistent(logs, capsys):
-    assert main(["diagnose", str(logs / "honest.jsonl"), "--fail-on-inconsistent"]) == 0
+    assert main(["diagnose", str(logs / "consistent.jsonl"), "--fail-on-inconsistent"]) == 0
     assert main(["diagnose", str(logs / "late.jsonl"), "--fail-on-inconsistent"]) == 1
 
 

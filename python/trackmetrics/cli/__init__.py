@@ -9,28 +9,9 @@ Exit statuses: 0, done; 1, a check that was asked for failed; 2, bad input; 130,
 import sys
 from collections.abc import Sequence
 
-COMMANDS: dict[str, str] = {
-    "demo": "simulate, track and diagnose three ships",
-    "diagnose": "test whether an estimator is consistent",
-    "score": "score the boxes of a tracker against the truth",
-    "sweep": "run a Monte Carlo sweep, and test its filter",
-    "vessel": "track the vessels of a recording of AIS, and diagnose",
-    "completion": "print the completion script of a shell",
-}
-"""Each command and what it does."""
+from trackmetrics.cli._commands import COMMANDS, EXTRAS, missing_library
 
-EXTRAS = {
-    "click": "cli",
-    "jinja2": "report",
-    "matplotlib": "report",
-    "narwhals": "frames",
-    "plotly": "report",
-    "polars": "frames",
-    "pyais": "ais",
-    "pyarrow": "parquet",
-    "rich": "cli",
-}
-"""The extra that installs a library."""
+__all__ = ["COMMANDS", "main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -44,9 +25,3 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"trackmetrics: {missing_library(error.name)}", file=sys.stderr)
         return 2
     return run(given)
-
-
-def missing_library(name: str) -> str:
-    """Says which extra installs a library."""
-    extra = EXTRAS[name]
-    return f"needs {name}, from the extra {extra} (pip install 'trackmetrics[{extra}]')"

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from trackmetrics._version import __version__
-from trackmetrics.cli import COMMANDS, EXTRAS, missing_library
+from trackmetrics.cli._commands import COMMANDS, EXTRAS, missing_library
 from trackmetrics.cli._renamed_options import with_new_names
 
 _STATUSES = """\b
