@@ -42,6 +42,9 @@ from trackmetrics._numpy.monte_carlo import (
     histograms,
     run_sums,
 )
+from trackmetrics._numpy.noise_likelihood import (
+    noise_likelihood,
+)
 from trackmetrics._numpy.point_sets import (
     gospa,
     gospa_from_distances,
@@ -101,6 +104,7 @@ __all__ = [
     "nees_sequence",
     "nis",
     "nis_sequence",
+    "noise_likelihood",
     "ospa",
     "ospa2",
     "ospa_assignment",
