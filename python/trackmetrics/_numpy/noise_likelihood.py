@@ -41,8 +41,8 @@ def noise_likelihood(
     tail_scales: Floats,
     derivatives: bool,
 ) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-    """Log-likelihood of each track, gradients, informations, whitened innovations, the mean and
-    covariance of the last prediction error given all innovations."""
+    """Log-density of each innovation given those before, gradients and informations of each track,
+    whitened innovations, mean and covariance of the last prediction error given all innovations."""
     arrays = (innovations, observations, measurement_noises, transitions, process_noises)
     more = (corrections, periods, initial, process_factors, measurement_factors, tail_scales)
     plain(*arrays, *more)
@@ -62,7 +62,7 @@ def noise_likelihood(
     _check_factors(factors, process_noises, innovations, types, tail_dof, tail_scales)
     tracks, n, m = len(starts) - 1, corrections.shape[1], innovations.shape[1]
     count = len(process_factors) + len(measurement_factors) + 1 if derivatives else 0
-    values, gradients = np.zeros(tracks), np.zeros((tracks, count))
+    densities, gradients = np.zeros(len(innovations)), np.zeros((tracks, count))
     informations = np.zeros((tracks, count, count))
     whitened = np.zeros((len(innovations), m))
     means, covariances = np.zeros((tracks, n)), initial_factor * initial
@@ -72,12 +72,12 @@ def noise_likelihood(
         for k in range(a, b):
             if k > a:
                 filters.predict(track, k)
-            filters.update(track, k, whitened[k])
+            densities[k] = filters.update(track, k, whitened[k])
             if k + 1 == b:
                 means[i], covariances[i] = track.m, track.C
             track.m = track.m - corrections[k]
-        values[i], gradients[i], informations[i] = track.value, track.gradient, track.information
-    return values, gradients, informations, whitened, means, covariances
+        gradients[i], informations[i] = track.gradient, track.information
+    return densities, gradients, informations, whitened, means, covariances
 
 
 class _Track:
@@ -89,7 +89,6 @@ class _Track:
         self.dm, self.dC = np.zeros((count, n)), np.zeros((count, n, n))
         if count:
             self.dC[-1] = initial
-        self.value = 0.0
         self.gradient, self.information = np.zeros(count), np.zeros((count, count))
 
 
@@ -112,10 +111,10 @@ class _Filter:
         if len(track.dC):
             track.dC[: len(q)] += Q
 
-    def update(self, track: _Track, k: int, whitened: Floats) -> None:
+    def update(self, track: _Track, k: int, whitened: Floats) -> float:
         there = ~np.isnan(self.rows["innovations"][k])
         if not there.any():
-            return
+            return 0.0
         H = self.rows["observations"][k][there]
         R = self.rows["measurement_noises"][k][np.ix_(there, there)]
         r = self.factors[1][self.types[k]]
@@ -128,7 +127,7 @@ class _Filter:
         own = len(self.factors[0]) + int(self.types[k])
         if len(dS):
             dS[own] += R
-        weight, falls = self._add(track, d, S, dd, dS)
+        density, weight, falls = self._add(track, d, S, dd, dS)
         if weight < 1:
             # R / W instead of R; dW = -W^2 d(delta) / (v + p).
             S = H @ track.C @ H.T + r / weight * R
@@ -136,20 +135,22 @@ class _Filter:
                 dS[own] += (1 / weight - 1) * R
             dS = dS + (r * falls / (self.tail_dof + len(d)))[:, None, None] * R
         _condition(track, H, d, S, dd, dS)
+        return density
 
     def _add(
         self, track: _Track, d: Floats, S: Floats, dd: Floats, dS: Floats
-    ) -> tuple[float, Floats]:
-        """Adds the log-density; the weight of the innovation, and the derivatives of d' S^-1 d."""
+    ) -> tuple[float, float, Floats]:
+        """Adds the derivatives of the log-density; gives it, the weight of the innovation, and the
+        derivatives of d' S^-1 d."""
         u = np.linalg.solve(S, d)
         density, weight = self._density(float(d @ u), len(d))
-        track.value += density - 0.5 * float(np.linalg.slogdet(S)[1])
+        density -= 0.5 * float(np.linalg.slogdet(S)[1])
         ratio = np.linalg.solve(S, dS)
         falls = 2 * dd @ u - dS @ u @ u
         track.gradient -= 0.5 * (weight * falls + np.einsum("kii->k", ratio))
         track.information += 0.5 * np.einsum("aij,bji->ab", ratio, ratio)
         track.information += dd @ np.linalg.solve(S, dd.T)
-        return weight, falls
+        return density, weight, falls
 
     def _density(self, squared: float, p: int) -> tuple[float, float]:
         v, scale = self.tail_dof, float(self.tail_scales[p])

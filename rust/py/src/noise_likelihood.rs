@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use trackmetrics_core::diagnostics::noise_likelihood::{self as core, NoiseFactors, NoiseLog};
 
-/// Values, gradients, informations, whitened innovations, means and covariances.
+/// Log-densities, gradients, informations, whitened innovations, means and covariances.
 type Likelihood<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray2<f64>>,
@@ -61,10 +61,10 @@ pub(crate) fn noise_likelihood<'py>(
         tail_scales: tail_scales.values,
     };
     let found = py.detach(|| core::noise_likelihood(&log, &factors, derivatives)).map_err(raise)?;
-    let (tracks, n) = (found.values.len(), log.states);
+    let (tracks, n) = (starts.values.len() - 1, log.states);
     let count = if derivatives { factors.count() } else { 0 };
     Ok((
-        PyArray1::from_vec(py, found.values),
+        PyArray1::from_vec(py, found.densities),
         PyArray1::from_vec(py, found.gradients).reshape([tracks, count])?,
         PyArray1::from_vec(py, found.informations).reshape([tracks, count, count])?,
         PyArray1::from_vec(py, found.whitened).reshape(innovations.shape)?,

@@ -18,7 +18,7 @@ use pulp::{Simd, WithSimd};
 /// What one track gives.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Track {
-    pub(super) value: f64,
+    pub(super) densities: Vec<f64>,
     pub(super) gradient: Vec<f64>,
     pub(super) information: Vec<f64>,
     pub(super) whitened: Vec<f64>,
@@ -103,6 +103,7 @@ impl<const N: usize, const M: usize> Run<'_, N, M> {
             gradient: vec![0.0; count],
             information: vec![0.0; count * count],
             whitened: vec![0.0; rows.len() * m],
+            densities: vec![0.0; rows.len()],
             ..Track::default()
         };
         let mut belief = self.start(count);
@@ -121,7 +122,9 @@ impl<const N: usize, const M: usize> Run<'_, N, M> {
                 })?;
                 let own = log.groups + kind;
                 differentiate(&belief, &seen, own, &mut slopes);
-                let weight = self.add(&seen, update.count, &slopes, &mut track);
+                let (density, weight) = self.density(dot(&seen.d, &seen.d), update.count);
+                track.densities[k - rows.start] = density - 0.5 * seen.log_determinant;
+                add(&seen, weight, &slopes, &mut track);
                 let row = (k - rows.start) * m;
                 track.whitened[row..row + m].copy_from_slice(&seen.d[..m]);
                 self.condition(&mut belief, &update, seen, weight, own, &mut slopes);
@@ -203,34 +206,6 @@ impl<const N: usize, const M: usize> Run<'_, N, M> {
         Update { d, h, r, absent, count }
     }
 
-    /// Adds the log-density of an innovation and its derivatives; returns its weight.
-    #[inline(always)]
-    fn add(
-        &self,
-        seen: &Innovation<N, M>,
-        count: usize,
-        slopes: &Slopes<M>,
-        track: &mut Track,
-    ) -> f64 {
-        let squared = dot(&seen.d, &seen.d);
-        let (density, weight) = self.density(squared, count);
-        track.value += density - 0.5 * seen.log_determinant;
-        let parameters = slopes.len();
-        for (i, (d_i, s_i)) in slopes.iter().enumerate() {
-            let trace: f64 = (0..M).map(|a| s_i[a][a]).sum();
-            track.gradient[i] += 0.5 * (weight * -fall(&seen.d, d_i, s_i) - trace);
-            for (j, (d_j, s_j)) in slopes[..=i].iter().enumerate() {
-                let shared: f64 = (0..M).map(|a| dot(&s_i[a], &s_j[a])).sum();
-                let information = 0.5 * shared + dot(d_i, d_j);
-                track.information[i * parameters + j] += information;
-                if i != j {
-                    track.information[j * parameters + i] += information;
-                }
-            }
-        }
-        weight
-    }
-
     /// The log-density of a squared innovation but for its determinant, and its weight.
     #[inline(always)]
     fn density(&self, squared: f64, count: usize) -> (f64, f64) {
@@ -279,6 +254,29 @@ impl<const N: usize, const M: usize> Run<'_, N, M> {
     }
 }
 
+/// Adds the derivatives of the log-density of an innovation of this weight.
+#[inline(always)]
+fn add<const N: usize, const M: usize>(
+    seen: &Innovation<N, M>,
+    weight: f64,
+    slopes: &Slopes<M>,
+    track: &mut Track,
+) {
+    let parameters = slopes.len();
+    for (i, (d_i, s_i)) in slopes.iter().enumerate() {
+        let trace: f64 = (0..M).map(|a| s_i[a][a]).sum();
+        track.gradient[i] -= 0.5 * (weight * fall(&seen.d, d_i, s_i) + trace);
+        for (j, (d_j, s_j)) in slopes[..=i].iter().enumerate() {
+            let shared: f64 = (0..M).map(|a| dot(&s_i[a], &s_j[a])).sum();
+            let information = 0.5 * shared + dot(d_i, d_j);
+            track.information[i * parameters + j] += information;
+            if i != j {
+                track.information[j * parameters + i] += information;
+            }
+        }
+    }
+}
+
 const LN_TWO_PI: f64 = 1.837_877_066_409_345_5;
 
 /// The derivative of d' d (whitened) by a factor: 2 d' d_i - d' S_i d.
@@ -300,6 +298,7 @@ fn innovation<const N: usize, const M: usize>(
         s[i][i] += update.absent[i];
     }
     let mut seen = Innovation { d: update.d, h: update.h, r: update.r, log_determinant: 0.0 };
+    let mut determinant = 1.0;
     for j in 0..M {
         let pivot = s[j][j] - dot_first(&s[j], &s[j], j);
         if pivot <= 0.0 || pivot.is_nan() {
@@ -307,7 +306,12 @@ fn innovation<const N: usize, const M: usize>(
         }
         let root = pivot.sqrt();
         s[j][j] = root;
-        seen.log_determinant += pivot.ln();
+        determinant *= pivot;
+        // One logarithm for a few pivots: their product stays in range.
+        if j % 4 == 3 || j + 1 == M {
+            seen.log_determinant += determinant.ln();
+            determinant = 1.0;
+        }
         for i in j + 1..M {
             s[i][j] = (s[i][j] - dot_first(&s[i], &s[j], j)) / root;
         }

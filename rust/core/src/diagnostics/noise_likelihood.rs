@@ -91,9 +91,9 @@ impl NoiseFactors<'_> {
 /// What the likelihood is, and what goes with it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NoiseLikelihood {
-    /// `(tracks,)`: log-likelihood of each track.
-    pub values: Vec<f64>,
-    /// `(tracks, parameters)`: its derivatives by process, measurement and initial factors.
+    /// `(updates,)`: log-density of each innovation given those before; 0 where there is none.
+    pub densities: Vec<f64>,
+    /// `(tracks, parameters)`: derivatives of a track's sum by process, measurement and initial factors.
     pub gradients: Vec<f64>,
     /// `(tracks, parameters, parameters)`: information matrices.
     pub informations: Vec<f64>,
@@ -105,7 +105,7 @@ pub struct NoiseLikelihood {
     pub covariances: Vec<f64>,
 }
 
-/// The log-likelihood of each track; without `derivatives` gradients and informations are empty.
+/// The log-likelihood, update by update; without `derivatives` gradients and informations are empty.
 ///
 /// # Errors
 /// If sizes do not fit, something is not finite, a type has no factor, a factor is negative, there
@@ -130,7 +130,7 @@ pub fn noise_likelihood(
 fn gathered(tracks: &[Track]) -> NoiseLikelihood {
     let flat = |part: fn(&Track) -> &[f64]| tracks.iter().flat_map(part).copied().collect();
     NoiseLikelihood {
-        values: tracks.iter().map(|track| track.value).collect(),
+        densities: flat(|track| &track.densities),
         gradients: flat(|track| &track.gradient),
         informations: flat(|track| &track.information),
         whitened: flat(|track| &track.whitened),
@@ -165,11 +165,21 @@ fn check(log: &NoiseLog<'_>, factors: &NoiseFactors<'_>) -> Result<()> {
         }
         let nan_allowed = matches!(argument, "innovations" | "periods");
         let bad = |v: &f64| if nan_allowed { v.is_infinite() } else { !v.is_finite() };
+        if all_finite(values) {
+            continue;
+        }
         if let Some(i) = values.iter().position(bad) {
             return Err(Error::NotFinite { argument, index: vec![i / size], value: values[i] });
         }
     }
     check_factors(log, factors)
+}
+
+/// Whether all values are finite, in code that compiles to vector instructions.
+fn all_finite(values: &[f64]) -> bool {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    let bad = |v: &f64| u64::from(v.to_bits() & EXPONENT == EXPONENT);
+    values.iter().map(bad).fold(0, |any, bad| any | bad) == 0
 }
 
 fn check_factors(log: &NoiseLog<'_>, factors: &NoiseFactors<'_>) -> Result<()> {
@@ -237,7 +247,7 @@ mod tests {
         let found = noise_likelihood(&log, &factors(&[1.0]), true).unwrap();
         let form = (3.0 + 2.0 * 0.5 + 2.0 * 0.25) / 5.0;
         let expected = -0.5 * (form + 5f64.ln() + 2.0 * (2.0 * std::f64::consts::PI).ln());
-        assert!((found.values[0] - expected).abs() < 1e-13);
+        assert!((found.densities.iter().sum::<f64>() - expected).abs() < 1e-13);
         assert_eq!(found.gradients.len(), 3);
     }
 
@@ -247,7 +257,7 @@ mod tests {
         let mut log = scalar(&[1.0, f64::NAN], &ones, &[0, 1, 2]);
         log.initial = &ones;
         let found = noise_likelihood(&log, &factors(&[1.0]), false).unwrap();
-        assert_eq!((found.values.len(), found.values[1]), (2, 0.0));
+        assert_eq!((found.means.len(), found.densities[1]), (2, 0.0));
         let error = noise_likelihood(&log, &factors(&[-1.0]), false).unwrap_err();
         assert_eq!(error.to_string(), "process_factors must be at least 0, got -1.0");
         log.corrections = &[0.0];
