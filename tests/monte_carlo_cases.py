@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from trackmetrics.monte_carlo import sweep
-from trackmetrics.monte_carlo.tally import Tally
+from trackmetrics.monte_carlo.setting_state import Tally
 
 GRID = {"claimed": [0.5, 1.0, 2.0]}
 

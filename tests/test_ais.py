@@ -253,7 +253,7 @@ def test_the_demo_of_the_ships(tmp_path, capsys):
 
 
 def test_the_vessel_table_says_where_all_is_well(capsys):
-    from trackmetrics.cli._verdicts import print_verdicts
+    from trackmetrics.cli._output import print_verdicts
     from trackmetrics.diagnostics import diagnose
 
     run = vessel.fleet(1, duration=3600.0, interval=60.0, seed=4)

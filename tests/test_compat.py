@@ -6,7 +6,7 @@ from importlib import import_module
 import pytest
 
 import trackmetrics
-from trackmetrics import compat
+from trackmetrics.compat import pytcl
 
 pytestmark = pytest.mark.peers
 
@@ -56,4 +56,4 @@ def test_another_version_is_refused_unless_asked_for(peer, monkeypatch):
 
 
 def test_the_tested_version_is_the_installed_one():
-    assert import_module("pytcl").__version__ in compat.TESTED_VERSIONS
+    assert import_module("pytcl").__version__ in pytcl.TESTED_VERSIONS

@@ -154,16 +154,16 @@ def innovations(values):
 def test_a_skewed_value_becomes_a_normal_one(skewness):
     from scipy import stats
 
-    from trackmetrics.diagnostics import laws
+    from trackmetrics import _distributions
 
     law = stats.pearson3(skewness)
     for value in (-1.5, -0.3, 0.0, 0.8, 2.5, 6.0):
         expected = stats.norm.isf(law.sf(value))
-        found = laws.normal_score_of_skewed(value, skewness)
+        found = _distributions.pearson3_to_z(value, skewness)
         assert found == pytest.approx(expected, abs=1e-7)
-    assert laws.normal_score_of_skewed(1.7, 0.0) == 1.7
-    assert np.isfinite(laws.normal_score_of_skewed(-50.0, skewness))
-    assert np.isfinite(laws.normal_score_of_skewed(1e9, skewness))
+    assert _distributions.pearson3_to_z(1.7, 0.0) == 1.7
+    assert np.isfinite(_distributions.pearson3_to_z(-50.0, skewness))
+    assert np.isfinite(_distributions.pearson3_to_z(1e9, skewness))
 
 
 @pytest.mark.parametrize("alternating", [True, False])
@@ -211,7 +211,7 @@ def small_and_alternating(n=100, scale=0.68, lag1=-0.25, seed=0):
 
 
 def test_size_and_correlation_together_say_what_neither_does_alone():
-    from trackmetrics.diagnostics.diagnosing import LEVEL
+    from trackmetrics.diagnostics.diagnose import LEVEL
 
     found = []
     for seed in range(40):

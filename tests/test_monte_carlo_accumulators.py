@@ -18,10 +18,10 @@ from trackmetrics.monte_carlo import (
     ScoreAccumulator,
     sweep,
 )
-from trackmetrics.monte_carlo.histogram import edges
-from trackmetrics.monte_carlo.packing import MAGIC
-from trackmetrics.monte_carlo.statistics import _honest, clopper_pearson
-from trackmetrics.monte_carlo.tree import RunTree, canonical
+from trackmetrics.monte_carlo.accumulators.histogram import edges
+from trackmetrics.monte_carlo.consistency_summary import _honest, clopper_pearson
+from trackmetrics.monte_carlo.run_tree import RunTree, canonical
+from trackmetrics.monte_carlo.serialization import MAGIC
 
 
 def filter_batch(runs, steps=5, d=3, seed=0, scale=1.0, missing=0.0):

@@ -12,9 +12,9 @@ import pytest
 from trackmetrics.cli import main
 from trackmetrics.cli.sweep import grid
 from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
-from trackmetrics.report.marks import Boxes, Line
+from trackmetrics.report.scene import Boxes, Line
 from trackmetrics.report.sweep_page import sweep_page
-from trackmetrics.report.sweeps import (
+from trackmetrics.report.sweep_scenes import (
     _outline,
     heat_figure,
     heat_scene,

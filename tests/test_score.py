@@ -8,7 +8,7 @@ import pytest
 
 from trackmetrics.cli import main
 from trackmetrics.cli.score import paired_labels
-from trackmetrics.io import Boxes, read_mot_challenge
+from trackmetrics.tracks import Boxes, read_mot_challenge
 
 TRUTH = "1,1,0,0,2,2,1\n1,2,10,0,2,2,1\n2,1,1,0,2,2,1\n2,2,10,0,2,2,1\n3,3,0,0,2,2,0\n"
 TRACKS = "1,7,0,3,2,2,-1,-1,-1,-1\n1,8,10,4,2,2,-1,-1,-1,-1\n2,8,1,0,2,2,-1,-1,-1,-1\n"

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import linprog
 
 from trackmetrics import trajectory_gospa
-from trackmetrics._trajectory_gospa import Cluster, _best_chain, _best_mixture
+from trackmetrics.trajectories._switching import Cluster, _best_chain, _best_mixture
 
 
 def by_definition(truth, tracks, c, p, gamma, norm=2.0):

@@ -30,10 +30,7 @@ from trackmetrics.assignment import (
     linear_sum_assignment,
     linear_sum_assignment_batch,
 )
-from trackmetrics.compat import (
-    patch_pytcl,
-    unpatch_pytcl,
-)
+from trackmetrics.compat.pytcl import patch_pytcl, unpatch_pytcl
 from trackmetrics.consistency import (
     CovarianceScale,
     Coverage,

@@ -8,9 +8,9 @@ import pytest
 from trackmetrics import report
 from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
 from trackmetrics.report import draw_plotly, theme
-from trackmetrics.report.marks import Points
-from trackmetrics.report.sheet import track_scene
-from trackmetrics.report.subject import subjects
+from trackmetrics.report.scene import Points
+from trackmetrics.report.track_scene import track_scene
+from trackmetrics.report.track_view import subjects
 
 BACKENDS = ("matplotlib", "plotly")
 

@@ -7,8 +7,8 @@ import pytest
 
 from trackmetrics import ospa, report
 from trackmetrics.diagnostics import State
-from trackmetrics.report.marks import Band, Line
-from trackmetrics.report.scores import gospa_scene
+from trackmetrics.report.scene import Band, Line
+from trackmetrics.report.score_scenes import gospa_scene
 
 BACKENDS = ("matplotlib", "plotly")
 

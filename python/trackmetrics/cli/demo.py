@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import trackmetrics as tm
-from trackmetrics.cli._scene import Floats, Scene, simulate
+from trackmetrics.cli._demo_targets import Floats, Scene, simulate
 
 CUTOFF = 50.0  # metres: the price of a missed target, and the gate of a match
 
@@ -37,9 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the scene that was asked for."""
     if arguments.scene == "ships":
-        from trackmetrics.cli import _ships
+        from trackmetrics.cli import _demo_ships
 
-        return _ships.run(arguments)
+        return _demo_ships.run(arguments)
     return run_targets(arguments)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics.assignment import linear_sum_assignment
-from trackmetrics.io import Boxes, read_mot_challenge
 from trackmetrics.point_sets import ospa_over_time
 from trackmetrics.tracking import (
     identity_switches,
@@ -18,6 +17,7 @@ from trackmetrics.tracking import (
     track_fragmentation,
     track_purity,
 )
+from trackmetrics.tracks import Boxes, read_mot_challenge
 
 Places = NDArray[np.intp]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from trackmetrics._progress import watched
-from trackmetrics.cli._verdicts import print_verdicts, write_html
+from trackmetrics.cli._output import print_verdicts, write_html
 from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
 from trackmetrics.vessel import (
     HeldOut,

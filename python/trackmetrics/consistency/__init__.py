@@ -11,14 +11,6 @@
 | `subspace` | which states; the identity of an update |
 """
 
-from trackmetrics.consistency.averages import (
-    anees,
-    average_nis,
-    covariance_scale,
-    fading_memory_nis,
-    moving_average_nis,
-    normalized_mean_error,
-)
 from trackmetrics.consistency.chi_square import consistency_test, credibility_interval
 from trackmetrics.consistency.correlation import (
     correlation_time,
@@ -28,6 +20,13 @@ from trackmetrics.consistency.correlation import (
     whiteness,
     whiteness_across_runs,
 )
+from trackmetrics.consistency.coverage_and_pit import (
+    coverage,
+    coverage_curve,
+    excess_nll,
+    gaussian_crps,
+    pit_test,
+)
 from trackmetrics.consistency.credibility import (
     bias_test,
     covariance_test,
@@ -35,20 +34,15 @@ from trackmetrics.consistency.credibility import (
     inclination_index,
     noncredibility_index,
 )
-from trackmetrics.consistency.distribution import (
-    coverage,
-    coverage_curve,
-    excess_nll,
-    gaussian_crps,
-    pit_test,
+from trackmetrics.consistency.mean_tests import (
+    anees,
+    average_nis,
+    covariance_scale,
+    fading_memory_nis,
+    moving_average_nis,
+    normalized_mean_error,
 )
-from trackmetrics.consistency.forms import (
-    average_nees,
-    nees,
-    nees_sequence,
-    nis,
-    nis_sequence,
-)
+from trackmetrics.consistency.nees_nis import average_nees, nees, nees_sequence, nis, nis_sequence
 from trackmetrics.consistency.results import (
     CovarianceScale,
     Coverage,

@@ -6,7 +6,7 @@ import numpy as np
 
 from trackmetrics import _check, errors
 from trackmetrics._check import Floats
-from trackmetrics.consistency.forms import nis
+from trackmetrics.consistency.nees_nis import nis
 
 
 def statistics(argument: str, values: Any) -> Floats:

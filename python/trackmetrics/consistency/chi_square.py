@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from trackmetrics import _backend, _check, _chi2, errors
+from trackmetrics import _backend, _check, _distributions, errors
 from trackmetrics._check import SYMMETRY
 from trackmetrics.errors import NotPlain
 from trackmetrics.results import ConsistencyResult
@@ -63,8 +63,8 @@ def consistency_test(
         raise errors.parameter("df", "positive", df)
     _check.fraction("confidence", confidence)
     tail = (1 - confidence) / 2
-    lower = float(_chi2.quantile(tail, count * df)) / count
-    upper = float(_chi2.quantile(1 - tail, count * df)) / count
+    lower = float(_distributions.chi2_quantile(tail, count * df)) / count
+    upper = float(_distributions.chi2_quantile(1 - tail, count * df)) / count
     return ConsistencyResult(lower <= mean <= upper, mean, lower, upper, mean)
 
 
@@ -111,4 +111,4 @@ def credibility_interval(errors: Any, covariances: Any, interval: float = 0.95) 
 def _threshold(interval: float, errors: Any) -> float:
     """The edge of the region, as a quadratic form."""
     shape = getattr(errors, "shape", None)
-    return float(_chi2.quantile(interval, shape[-1])) if shape else 0.0
+    return float(_distributions.chi2_quantile(interval, shape[-1])) if shape else 0.0

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _check, _chi2, errors
+from trackmetrics import _check, _distributions, errors
 from trackmetrics._check import Floats
 from trackmetrics.consistency._input import degrees, nees_check, statistics, whitened
-from trackmetrics.consistency.averages import mean_test
+from trackmetrics.consistency.mean_tests import mean_test
 from trackmetrics.consistency.results import DecorrelatedNEES, MeanTest, Whiteness
 
 
@@ -76,9 +76,9 @@ def whiteness(
     numbers = np.arange(1, longest + 1)
     rows = [_lagged(u[..., :-lag, :], u[..., lag:, :]) for lag in numbers]
     correlation, pairs = (np.stack(column, axis=-1) for column in zip(*rows, strict=True))
-    bound = _chi2.special().ndtri((1 + confidence) / 2) / np.sqrt(pairs)
+    bound = _distributions.special().ndtri((1 + confidence) / 2) / np.sqrt(pairs)
     statistic = (pairs * correlation**2).sum(-1)
-    p_value = _chi2.sf(statistic, longest)
+    p_value = _distributions.chi2_sf(statistic, longest)
     white = p_value >= 1 - confidence
     return Whiteness(numbers, correlation, bound, statistic, longest, p_value, white)
 
@@ -193,9 +193,9 @@ def whiteness_across_runs(
     a, b = u[:, :-lag], u[:, lag:]
     size = np.sqrt((a * a).sum((0, 2)) * (b * b).sum((0, 2)))
     correlation = (a * b).sum((0, 2)) / np.where(size > 0, size, 1.0)
-    bound = _chi2.special().ndtri((1 + confidence) / 2) / np.sqrt(runs * m)
+    bound = _distributions.special().ndtri((1 + confidence) / 2) / np.sqrt(runs * m)
     statistic = runs * m * (correlation**2).sum()
-    p_value = _chi2.sf(statistic, count - lag)
+    p_value = _distributions.chi2_sf(statistic, count - lag)
     white = p_value >= 1 - confidence
     return Whiteness(lag, correlation, bound, statistic, count - lag, p_value, white)
 
@@ -415,8 +415,8 @@ def _normal_scores(values: Floats, dof: Floats) -> Floats:
     """Standard normal values of the same rank in their distribution, after a common scale."""
     scale = values.sum(-1, keepdims=True) / dof.sum(-1, keepdims=True)
     scale = np.maximum(scale, np.finfo(float).tiny)
-    probabilities = np.clip(_chi2.cdf(values / scale, dof), 1e-12, 1 - 1e-12)
-    result: Floats = _chi2.special().ndtri(probabilities)
+    probabilities = np.clip(_distributions.chi2_cdf(values / scale, dof), 1e-12, 1 - 1e-12)
+    result: Floats = _distributions.special().ndtri(probabilities)
     return result
 
 

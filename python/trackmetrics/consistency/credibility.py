@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics import _check, _chi2
+from trackmetrics import _check, _distributions
 from trackmetrics._check import Floats
 from trackmetrics.consistency._input import components, errors_of_runs, nees_check, whitened
 from trackmetrics.consistency.results import CredibilityIndex, SignificanceTest
@@ -103,7 +103,7 @@ def inclination_index(
     value, d = logs.mean(), components(errors)
     if reference == "sample":
         return CredibilityIndex(value, np.nan, np.nan, np.nan)
-    special = _chi2.special()
+    special = _distributions.special()
     deviation = _DECIBEL * np.sqrt(special.polygamma(1, d / 2) / logs.size)
     bound = special.ndtri((1 + confidence) / 2) * deviation
     p_value = 2 * special.ndtr(-np.abs(value) / deviation)
@@ -123,7 +123,7 @@ def _log_ratios(errors: Any, covariances: Any, reference: str) -> Floats:
             ratio = claimed / nees_check(e, _mean_square(e), "errors", "the mean square error")
         agreed: Floats = _DECIBEL * np.log(np.where(np.isfinite(ratio), ratio, 1.0))
         return agreed
-    expected = np.log(2) + _chi2.special().digamma(d / 2)
+    expected = np.log(2) + _distributions.special().digamma(d / 2)
     with np.errstate(divide="ignore"):
         logs: Floats = _DECIBEL * (np.log(claimed) - expected)
     return logs
@@ -267,10 +267,10 @@ def hotelling_test(errors: Any, *, confidence: float = 0.95) -> SignificanceTest
     sample = np.atleast_2d(np.cov(e.T))
     form = float(nees_check(e.mean(0), sample, "errors", "the sample covariance"))
     statistic = count * form * (count - d) / (d * (count - 1))
-    p_value = _chi2.special().fdtrc(d, count - d, statistic)
+    p_value = _distributions.special().fdtrc(d, count - d, statistic)
     return SignificanceTest(statistic, d, p_value, p_value >= 1 - confidence)
 
 
 def _significance(statistic: float, dof: int, confidence: float) -> SignificanceTest:
-    p_value = _chi2.sf(statistic, dof)
+    p_value = _distributions.chi2_sf(statistic, dof)
     return SignificanceTest(statistic, dof, p_value, p_value >= 1 - confidence)

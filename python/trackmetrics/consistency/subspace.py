@@ -7,7 +7,7 @@ import numpy as np
 from trackmetrics import _check, errors
 from trackmetrics._check import Floats
 from trackmetrics.consistency._input import nees_check
-from trackmetrics.consistency.forms import nees
+from trackmetrics.consistency.nees_nis import nees
 from trackmetrics.consistency.results import UpdateIdentity
 
 

@@ -1,10 +1,7 @@
 """Is the filter honest, since when, and which state? A log of an estimator, and its diagnosis."""
 
-from trackmetrics.diagnostics.diagnosing import diagnose
-from trackmetrics.diagnostics.header import State
+from trackmetrics.diagnostics.diagnose import diagnose
 from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
-from trackmetrics.diagnostics.log import EstimatorLog
-from trackmetrics.diagnostics.reading import read_log
 from trackmetrics.diagnostics.records import (
     VERDICTS,
     Bias,
@@ -15,6 +12,9 @@ from trackmetrics.diagnostics.records import (
     Whiteness,
 )
 from trackmetrics.diagnostics.results import Diagnosis, TrackDiagnosis
+from trackmetrics.logs.header import State
+from trackmetrics.logs.log import EstimatorLog
+from trackmetrics.logs.read import read_log
 
 __all__ = [
     "VERDICTS",

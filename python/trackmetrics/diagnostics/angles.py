@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.diagnostics.columns import Columns, Floats
-from trackmetrics.diagnostics.deriving import quadratic_forms, wrapped
-from trackmetrics.diagnostics.log import EstimatorLog
+from trackmetrics.logs.columns import Columns, Floats
+from trackmetrics.logs.derived import quadratic_forms, wrapped
+from trackmetrics.logs.log import EstimatorLog
 
 MATCH = 1e-6
 LEAST_STEPS = 5

@@ -12,11 +12,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _chi2
-from trackmetrics.diagnostics import laws
-from trackmetrics.diagnostics.checking import completed
-from trackmetrics.diagnostics.columns import Floats, Words
-from trackmetrics.diagnostics.deriving import whitened
+from trackmetrics import _distributions
+from trackmetrics.logs.columns import Floats, Words
+from trackmetrics.logs.derived import whitened
+from trackmetrics.logs.validation import completed
 
 LEAST_UPDATES = 8
 LEAST_PAIRS = 8
@@ -117,7 +116,7 @@ def offsets(innovations: Innovations, memory: float = 1.0) -> list[Offset]:
         )
     if not found:
         return []
-    corrected = laws.holm(np.array([o.p_value for o in found]))
+    corrected = _distributions.holm(np.array([o.p_value for o in found]))
     return [
         Offset(o.type, o.component, o.value, o.z, float(p))
         for o, p in zip(found, corrected, strict=True)
@@ -138,8 +137,8 @@ def _offsets_of(kind: str, values: Floats, covariances: Floats, memory: float) -
     # A variance that is claimed needs no Student; one that is estimated does.
     p = np.where(
         spread > 1,
-        laws.student_two_sided(z, np.array([len(r) - 1.0 for r in known])),
-        laws.normal_two_sided(z),
+        _distributions.t_p_value(z, np.array([len(r) - 1.0 for r in known])),
+        _distributions.normal_p_value(z),
     )
     columns = zip(tested.tolist(), means.tolist(), z.tolist(), p.tolist(), strict=True)
     return [Offset(kind, *column) for column in columns]
@@ -163,7 +162,7 @@ def _excess_spread(residuals: list[Floats]) -> Floats:
     """The variance of unit residuals where it is significantly above 1, else 1."""
     squares = np.array([float(r @ r) for r in residuals])
     counts = np.array([float(len(r)) for r in residuals])
-    wide = _chi2.sf(squares, counts - 1) < NOTABLE
+    wide = _distributions.chi2_sf(squares, counts - 1) < NOTABLE
     return np.where(wide, np.maximum(1.0, squares / counts), 1.0)
 
 
@@ -207,7 +206,7 @@ def correlation(innovations: Innovations) -> Correlation:
     z, weights = (slow, SLOW) if slow > -fast else (fast, FAST)
     late_z = _weighted(_lags(white[half:], there[half:]), weights)
     lag1, pairs = lags[0] if lags else (float("nan"), int((there[:-1] & there[1:]).sum()))
-    return Correlation(lag1, z, float(laws.normal_two_sided(z)), pairs, late_z, late_scale)
+    return Correlation(lag1, z, float(_distributions.normal_p_value(z)), pairs, late_z, late_scale)
 
 
 SLOW, FAST = (1.0, 0.5, 0.25), (1.0, 0.3)
@@ -251,4 +250,4 @@ def _weighted(lags: list[tuple[float, int]], weights: tuple[float, ...]) -> floa
         if i + j + 1 < len(used)
     )
     skewness = 6 * triples / variance**1.5 / lags[0][1] ** 0.5
-    return laws.normal_score_of_skewed(z, skewness)
+    return _distributions.pearson3_to_z(z, skewness)

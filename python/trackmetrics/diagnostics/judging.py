@@ -4,16 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from trackmetrics import _chi2
+from trackmetrics import _distributions
 from trackmetrics.diagnostics import innovations as nu
-from trackmetrics.diagnostics import laws
-from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components, present
-from trackmetrics.diagnostics.deriving import quadratic_forms
-from trackmetrics.diagnostics.grammar import Word
+from trackmetrics.diagnostics.bias import StateOffset, state_offsets
 from trackmetrics.diagnostics.innovations import Correlation, Innovations, Offset
-from trackmetrics.diagnostics.outlying import robust_scale
-from trackmetrics.diagnostics.state_bias import StateOffset, state_offsets
+from trackmetrics.diagnostics.outliers import robust_scale
 from trackmetrics.diagnostics.trace import MATERIAL, Stretch, Trace
+from trackmetrics.diagnostics.verdict import Word
+from trackmetrics.logs.columns import Columns, Floats, Integers, components, present
+from trackmetrics.logs.derived import quadratic_forms
 
 EXPLAINED = 0.5
 """Share of the excess that a bias must take away to be the verdict."""
@@ -119,9 +118,9 @@ def _leaning(innovations: Innovations) -> str:
 
 
 def _called_by_size(total: float, dof: float) -> str:
-    if _chi2.sf(total, dof) < LEANING / 2:
+    if _distributions.chi2_sf(total, dof) < LEANING / 2:
         return "optimistic"
-    if _chi2.cdf(total, dof) < LEANING / 2:
+    if _distributions.chi2_cdf(total, dof) < LEANING / 2:
         return "pessimistic"
     return "non_white"
 
@@ -136,9 +135,9 @@ def _together(innovations: Innovations, white: Correlation, level: float) -> str
     total, dof = innovations.scale
     if 1 / MATERIAL <= total / dof <= MATERIAL:
         return "consistent"
-    size = float(laws.normal_scores(np.array([total]), np.array([dof]))[0])
+    size = float(_distributions.chi2_to_z(np.array([total]), np.array([dof]))[0])
     z = (abs(size) + abs(white.z)) / 2**0.5
-    if 2 * laws.normal_two_sided(z) > level:
+    if 2 * _distributions.normal_p_value(z) > level:
         return "consistent"
     return "optimistic" if size > 0 else "pessimistic"
 
@@ -157,7 +156,7 @@ def _heavy_tailed(nis: Quantity, level: float) -> bool:
     """Whether there are outliers: they too make innovations large, and alternate."""
     values, dof = nis.trace.kept_values()
     scale = robust_scale(values, dof)
-    extreme = _chi2.sf(values / scale, dof).min() < level / len(values)
+    extreme = _distributions.chi2_sf(values / scale, dof).min() < level / len(values)
     return bool(nis.trace.outliers) or bool(extreme)
 
 
@@ -257,4 +256,4 @@ def dishonest_before(nees: Quantity, onset: int) -> bool:
     before = nees.rows[nees.trace.kept] < onset * WELL_BEFORE
     values, dof = (column[before] for column in nees.trace.kept_values())
     total, m = float(values.sum()), float(dof.sum())
-    return total > MATERIAL * m and bool(_chi2.sf(total, m) < CERTAIN)
+    return total > MATERIAL * m and bool(_distributions.chi2_sf(total, m) < CERTAIN)

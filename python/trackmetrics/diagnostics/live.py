@@ -14,8 +14,8 @@ from math import log
 import numpy as np
 
 from trackmetrics import _backend
-from trackmetrics.diagnostics.columns import Floats
 from trackmetrics.diagnostics.records import Record
+from trackmetrics.logs.columns import Floats
 
 TOO_LARGE = 2.5
 TOO_SMALL = 0.4

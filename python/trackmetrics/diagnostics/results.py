@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from trackmetrics.diagnostics import words
+from trackmetrics.diagnostics import text
 from trackmetrics.diagnostics.records import (
     VERDICTS,
     Bias,
@@ -83,18 +83,18 @@ class TrackDiagnosis(Record):
     def _sentences(self) -> Iterator[str]:
         """Outliers first, then what the quantities say, then why."""
         timeline = self.timeline
-        yield f"{self.track}: {self.verdict.replace('_', ' ')}, {words.MEANINGS[self.verdict]}."
-        yield words.outliers_first(self.outliers, timeline)
-        yield from (words.quantity(q, timeline) for q in (self.nis, self.nees) if q is not None)
-        if self.verdict in words.SCALED:
-            yield words.advice(self.nees or self.nis)
+        yield f"{self.track}: {self.verdict.replace('_', ' ')}, {text.MEANINGS[self.verdict]}."
+        yield text.outliers_first(self.outliers, timeline)
+        yield from (text.quantity(q, timeline) for q in (self.nis, self.nees) if q is not None)
+        if self.verdict in text.SCALED:
+            yield text.advice(self.nees or self.nis)
         if self.cause:
             yield f"Probable cause: {self.cause}."
-        yield from map(words.bias, self.biases)
-        yield words.weakest_state(self.weakest_state, self.states)
+        yield from map(text.bias, self.biases)
+        yield text.weakest_state(self.weakest_state, self.states)
         began = self.longest_gap_time
         gap = None if began is None else (self.longest_gap, began)
-        yield words.coverage(self.updates, self.tentative, self.repeated, gap, timeline)
+        yield text.coverage(self.updates, self.tentative, self.repeated, gap, timeline)
 
     def to_dict(self) -> dict[str, Any]:
         """The fields and the paragraph as dictionaries, lists, numbers and strings."""

@@ -6,11 +6,11 @@ from functools import lru_cache
 import numpy as np
 
 from trackmetrics import _backend
-from trackmetrics.diagnostics.checking import completed
-from trackmetrics.diagnostics.columns import Columns, Floats, Integers, components
-from trackmetrics.diagnostics.deriving import components_observed, observed_mask
-from trackmetrics.diagnostics.header import State
 from trackmetrics.diagnostics.records import StateDiagnosis
+from trackmetrics.logs.columns import Columns, Floats, Integers, components
+from trackmetrics.logs.derived import components_observed, observed_mask
+from trackmetrics.logs.header import State
+from trackmetrics.logs.validation import completed
 
 EXACT = 10
 """Up to this many states the Shapley split is exact."""

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from trackmetrics.diagnostics.columns import Floats, Integers
+from trackmetrics.logs.columns import Floats, Integers
 
 LEAST_UPDATES = 4
 LEAST_DOF = 8.0

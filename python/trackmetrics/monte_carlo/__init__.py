@@ -4,16 +4,16 @@ However the runs are cut, in whatever order they come, on however many machines:
 the same bits.
 """
 
-from trackmetrics.monte_carlo.accumulator import Accumulator
-from trackmetrics.monte_carlo.choice import Best
-from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
-from trackmetrics.monte_carlo.labels import LabelAccumulator, LabelSummary
-from trackmetrics.monte_carlo.point_sets import PointSetAccumulator, PointSetSummary
+from trackmetrics.monte_carlo.accumulators.base import Accumulator
+from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.accumulators.labels import LabelAccumulator, LabelSummary
+from trackmetrics.monte_carlo.accumulators.point_sets import PointSetAccumulator, PointSetSummary
+from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
 from trackmetrics.monte_carlo.results import SweepResult
-from trackmetrics.monte_carlo.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.selection import Best
+from trackmetrics.monte_carlo.setting_state import Failure
 from trackmetrics.monte_carlo.sweep import SweepInterrupted, sweep
-from trackmetrics.monte_carlo.tally import Failure
 
 __all__ = [
     "Accumulator",

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from trackmetrics.monte_carlo.tally import Tally
+from trackmetrics.monte_carlo.setting_state import Tally
 
 _HEADER = "sweep.json"
 

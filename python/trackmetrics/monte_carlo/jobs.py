@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from trackmetrics import _backend
-from trackmetrics.monte_carlo.accumulator import Accumulator
-from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
-from trackmetrics.monte_carlo.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.tally import Tally
+from trackmetrics.monte_carlo.accumulators.base import Accumulator
+from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.setting_state import Tally
 
 ARRAYS = ("truth", "estimates", "covariances", "innovations", "innovation_covariances")
 _TOGETHER = 64

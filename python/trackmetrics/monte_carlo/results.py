@@ -9,12 +9,12 @@ from typing import Any, Literal
 import numpy as np
 
 from trackmetrics.monte_carlo import tables
-from trackmetrics.monte_carlo.choice import Best, choose
-from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
-from trackmetrics.monte_carlo.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
-from trackmetrics.monte_carlo.tally import Failure, Tally
-from trackmetrics.monte_carlo.tree import Floats
+from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.run_tree import Floats
+from trackmetrics.monte_carlo.selection import Best, choose
+from trackmetrics.monte_carlo.setting_state import Failure, Tally
 
 Rows = Literal["steps", "settings"]
 

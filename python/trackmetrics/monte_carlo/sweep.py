@@ -10,14 +10,14 @@ from typing import Any, Literal
 import numpy as np
 
 from trackmetrics import _backend, _check
+from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
+from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator, block_level
 from trackmetrics.monte_carlo.checkpoint import Checkpoint, identity
-from trackmetrics.monte_carlo.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.executors import Workers, uninterrupted, workers_of
 from trackmetrics.monte_carlo.jobs import Done, Job
 from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.results import SweepResult
-from trackmetrics.monte_carlo.scores import ScoreAccumulator, block_level
-from trackmetrics.monte_carlo.tally import Tally
+from trackmetrics.monte_carlo.setting_state import Tally
 
 _SECONDS = 0.5
 """How long a chunk should take, where its size is not given."""

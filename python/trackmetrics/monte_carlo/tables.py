@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics.monte_carlo.choice import criterion_of, estimate
-from trackmetrics.monte_carlo.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.statistics import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.selection import criterion_of, estimate
 
 Grid = Sequence[dict[str, Any]]
 Columns = dict[str, list[Any]]

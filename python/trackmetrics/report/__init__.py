@@ -3,8 +3,8 @@
 Needs the extra ``report`` (matplotlib, plotly, Jinja2), each imported where it is first used.
 """
 
-from trackmetrics.report.figures import comparison_figure, overview_figure, track_figure
-from trackmetrics.report.page import page, write_page
+from trackmetrics.report.diagnosis_figures import comparison_figure, overview_figure, track_figure
+from trackmetrics.report.diagnosis_page import page, write_page
 from trackmetrics.report.score_figures import (
     coverage_figure,
     gospa_figure,

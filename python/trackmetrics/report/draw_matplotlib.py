@@ -3,8 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
+from trackmetrics.report.axes import log_ticks
 from trackmetrics.report.layout import LEGEND_COLUMNS
-from trackmetrics.report.marks import (
+from trackmetrics.report.scene import (
     Band,
     Bars,
     Boxes,
@@ -17,7 +18,6 @@ from trackmetrics.report.marks import (
     Scene,
     Text,
 )
-from trackmetrics.report.scales import log_ticks
 from trackmetrics.report.theme import Theme
 
 INCH = 100.0

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics.report.marks import (
+from trackmetrics.report.axes import log_ticks, runs
+from trackmetrics.report.scene import (
     Band,
     Bars,
     Boxes,
@@ -25,7 +26,6 @@ from trackmetrics.report.marks import (
     Scene,
     Text,
 )
-from trackmetrics.report.scales import log_ticks, runs
 from trackmetrics.report.theme import Theme
 
 Json = dict[str, Any]

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from trackmetrics.report.marks import Rectangle
+from trackmetrics.report.scene import Rectangle
 
 LEGEND_COLUMNS = 6
 """Names side by side in a legend."""

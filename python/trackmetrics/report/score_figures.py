@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from trackmetrics.diagnostics import State
-from trackmetrics.report.figures import Backend, draw
+from trackmetrics.report.diagnosis_figures import Backend, draw
 
 
 def ospa_figure(
@@ -42,7 +42,7 @@ def ospa_figure(
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['OSPA (m)', 'parts (m)']
     """
-    from trackmetrics.report.scores import ospa_scene
+    from trackmetrics.report.score_scenes import ospa_scene
 
     return draw(ospa_scene(results, times, unit, title), backend, dark)
 
@@ -63,7 +63,7 @@ def gospa_figure(
     ``distance``, ``localization``, ``missed`` and ``false``, computed with this ``p`` and
     ``alpha = 2``. The other parameters are those of :func:`ospa_figure`.
     """
-    from trackmetrics.report.scores import gospa_scene
+    from trackmetrics.report.score_scenes import gospa_scene
 
     return draw(gospa_scene(results, times, unit, p, title), backend, dark)
 
@@ -99,7 +99,7 @@ def rmse_figure(
     ValueError
         If there are not as many states as components, or not as many times as steps.
     """
-    from trackmetrics.report.scores import rmse_scene
+    from trackmetrics.report.score_scenes import rmse_scene
 
     named = [State(state) if isinstance(state, str) else state for state in states]
     return draw(rmse_scene(statistics, times, named, title), backend, dark)
@@ -118,6 +118,6 @@ def coverage_figure(
     curve below the diagonal is an optimistic filter's. The other parameters are those of
     :func:`ospa_figure`.
     """
-    from trackmetrics.report.scores import coverage_scene
+    from trackmetrics.report.score_scenes import coverage_scene
 
     return draw(coverage_scene(coverage, title), backend, dark)

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from trackmetrics.monte_carlo import Best, SweepResult
-from trackmetrics.report.figures import draw
-from trackmetrics.report.marks import Scene
-from trackmetrics.report.sweeps import heat_scene, label, sweep_scene
+from trackmetrics.report.diagnosis_figures import draw
+from trackmetrics.report.scene import Scene
+from trackmetrics.report.sweep_scenes import heat_scene, label, sweep_scene
 from trackmetrics.report.theme import DARK, LIGHT
 
 _PAGE = """<!doctype html>

@@ -6,11 +6,11 @@
 ('MV Iron Falcon2', 'SS Iron Aurora1', 'SS Northern Star0')
 """
 
+from trackmetrics.vessel.ais import Recording, SetAside, decimated, read_ais, screen
 from trackmetrics.vessel.holdout import HeldOut, predictive_nis
-from trackmetrics.vessel.model import KINDS, STATES, Noise, Settings
-from trackmetrics.vessel.reading import Recording, SetAside, decimated, read_ais, screen
 from trackmetrics.vessel.reports import Reports
-from trackmetrics.vessel.scenario import (
+from trackmetrics.vessel.settings import KINDS, STATES, Noise, Settings
+from trackmetrics.vessel.simulation import (
     THREE_SHIPS,
     Ship,
     Simulation,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics.assignment import linear_sum_assignment
-from trackmetrics.vessel.model import Floats
+from trackmetrics.vessel.settings import Floats
 
 Integers = NDArray[np.int64]
 

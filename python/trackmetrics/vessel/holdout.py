@@ -34,8 +34,8 @@ from numpy.typing import NDArray
 from trackmetrics import _backend
 from trackmetrics._progress import watched
 from trackmetrics.diagnostics import EstimatorLog
-from trackmetrics.vessel.model import OBSERVED, Floats, Settings
 from trackmetrics.vessel.reports import Reports
+from trackmetrics.vessel.settings import OBSERVED, Floats, Settings
 
 Integers = NDArray[np.int64]
 

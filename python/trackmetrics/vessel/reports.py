@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.vessel.model import KINDS, OBSERVED, SLOW, Floats
+from trackmetrics.vessel.settings import KINDS, OBSERVED, SLOW, Floats
 
 NO_SPEED = 102.3
 """What AIS sends for "speed not available" (1023 in steps of 0.1 kt)."""

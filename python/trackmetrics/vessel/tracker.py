@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from trackmetrics import _backend
 from trackmetrics.diagnostics import EstimatorLog
 from trackmetrics.vessel.association import associate
-from trackmetrics.vessel.chains import ESTABLISHED, Chain, choose, steps_too_fast
-from trackmetrics.vessel.logging import Block, write_log
-from trackmetrics.vessel.model import OBSERVED, Floats, Settings
+from trackmetrics.vessel.mmsi_conflicts import ESTABLISHED, Chain, choose, steps_too_fast
 from trackmetrics.vessel.reports import Reports
+from trackmetrics.vessel.settings import OBSERVED, Floats, Settings
+from trackmetrics.vessel.to_log import Block, write_log
 
 Integers = NDArray[np.int64]
 

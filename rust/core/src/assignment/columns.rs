@@ -35,6 +35,9 @@ impl Columns {
         let (duals, padding) = self.dual.split_at_mut(columns);
         duals.fill(0.0);
         padding.fill(f64::NEG_INFINITY);
+        // A pass ends with the last vector that holds a column. Where vectors are narrower than the
+        // padding, those behind it keep what an earlier, larger problem left: never the least.
+        self.distance[columns..].fill(f64::INFINITY);
     }
 
     /// All of them as vectors.

@@ -244,6 +244,7 @@ fn looks_tied(costs: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{Width, set_width};
 
     const NONE: usize = usize::MAX;
 
@@ -260,6 +261,26 @@ mod tests {
         assert_eq!(solve(&costs, 3, 1, &mut work), Ok(&[NONE, 0, NONE][..]));
         assert_eq!(solve(&[], 3, 0, &mut work), Ok(&[NONE; 3][..]));
         assert_eq!(solve(&[], 0, 3, &mut work), Ok(&[][..]));
+    }
+
+    /// On narrow vectors, columns behind the last vector once kept the distances of the problem
+    /// before, and a smaller problem could be matched with them.
+    #[test]
+    fn a_used_workspace_changes_nothing_on_any_width() {
+        let (mut used, mut state) = (Workspace::default(), 1_u64);
+        let mut random = |below: u64| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) % below
+        };
+        for _ in 0..2000 {
+            let (m, n) = (1 + random(20) as usize, 1 + random(20) as usize);
+            let costs: Vec<f64> = (0..m * n).map(|_| random(4) as f64).collect();
+            let expected = solve(&costs, m, n, &mut Workspace::default()).unwrap().to_vec();
+            for width in [Width::Scalar, Width::V3, Width::Widest] {
+                set_width(width);
+                assert_eq!(solve(&costs, m, n, &mut used).unwrap(), expected);
+            }
+        }
     }
 
     #[test]

@@ -1,5 +1,0 @@
-"""Tables in and out."""
-
-from trackmetrics.io.mot_challenge import Boxes, read_mot_challenge
-
-__all__ = ["Boxes", "read_mot_challenge"]

@@ -1,0 +1,163 @@
+"""What can be wrong with the values of a log, and the message that names the row."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmetrics.logs.columns import COVARIANCES, DOFS, FLOATS, NUMBERS, Columns, Floats, present
+
+
+def check_values(columns: Columns, timed: bool) -> None:
+    """Refuse the first value that no estimator can have logged."""
+    if timed and not np.isfinite(columns.time).all():
+        row = int(np.argmin(np.isfinite(columns.time)))
+        raise ValueError(f"time[{row}] is not finite: {float(columns.time[row])!r}")
+    for name in FLOATS:
+        column = getattr(columns, name)
+        if column is not None:
+            _check_finite(name, column)
+    _check_numbers(columns)
+    _check_status(columns)
+    _check_something_there(columns)
+
+
+def _check_finite(name: str, column: Floats) -> None:
+    """No infinity; of a matrix a missing component misses its whole row and column."""
+    bad = np.isinf(column)
+    if column.ndim == 3:
+        bad |= np.isnan(column) & ~_missing(name, column)
+    if bad.any():
+        index = np.argwhere(bad)[0]
+        place = "".join(f"[{int(i)}]" for i in index)
+        raise ValueError(f"{name}{place} is not finite: {float(column[tuple(index)])!r}")
+
+
+def _missing(name: str, matrices: Floats) -> NDArray[np.bool_]:
+    """Elements of components that are missing altogether; a transition is whole or missing."""
+    absent: NDArray[np.bool_] = np.isnan(matrices)
+    gone: NDArray[np.bool_] = np.logical_and(absent.all(axis=2), absent.all(axis=1))
+    if name == "A":
+        gone = np.logical_and(gone, np.logical_and.reduce(gone, axis=1)[:, None])
+    return gone[:, :, None] | gone[:, None, :]
+
+
+def _check_numbers(columns: Columns) -> None:
+    """NIS and NEES are not negative, degrees of freedom are positive and there for every NIS."""
+    for name in NUMBERS:
+        column = getattr(columns, name)
+        if column is None:
+            continue
+        bad = column <= 0 if name in DOFS else column < 0
+        values = getattr(columns, name.removesuffix("_dof"))
+        if values is not None:
+            bad &= ~np.isnan(values)
+        if bad.any():
+            row = int(np.argmax(bad))
+            needed = "positive" if name in DOFS else "at least 0"
+            raise ValueError(f"{name}[{row}] must be {needed}, got {float(column[row])!r}")
+    if columns.nis is None or columns.innovation is not None or columns.z is not None:
+        return
+    if columns.nis_dof is None:
+        raise ValueError("nis needs its degrees of freedom: give nis_dof")
+    lonely = ~np.isnan(columns.nis) & np.isnan(columns.nis_dof)
+    if lonely.any():
+        raise ValueError(f"nis_dof[{int(np.argmax(lonely))}] is missing, nis is not")
+
+
+def _check_status(columns: Columns) -> None:
+    if columns.status is None:
+        return
+    for row, status in enumerate(columns.status):
+        if status not in (None, "tentative", "active"):
+            raise ValueError(f"status[{row}] must be 'tentative' or 'active', got {status!r}")
+
+
+def _check_something_there(columns: Columns) -> None:
+    """A row that holds no value is an error, unless it says that its track is tentative."""
+    there = np.zeros(len(columns), bool)
+    for name in FLOATS:
+        column = getattr(columns, name)
+        if column is not None and name not in DOFS:
+            there |= present(column)
+    if columns.status is not None:
+        there |= columns.status == "tentative"
+    if not there.all():
+        row = int(np.argmin(there))
+        names = [n for n in FLOATS if n not in DOFS and getattr(columns, n) is not None]
+        raise ValueError(
+            f"row {row} holds no value ({', '.join(names)} missing): "
+            "leave it out, or give its status as 'tentative'"
+        )
+
+
+def check_covariances(columns: Columns) -> None:
+    """Every covariance that is there is symmetric and positive definite."""
+    for name in COVARIANCES:
+        column = getattr(columns, name)
+        if column is None or column.shape[1] == 0:
+            continue
+        rows = np.flatnonzero(present(column))
+        if len(rows):
+            _check_symmetric(name, column, rows, columns)
+            _check_definite(name, column, rows, columns)
+
+
+def _check_symmetric(name: str, column: Floats, rows: NDArray[np.int64], columns: Columns) -> None:
+    p = column[rows]
+    d = np.sqrt(np.abs(np.einsum("kii->ki", p)))
+    bad = np.abs(p - p.swapaxes(1, 2)) > 1e-8 * d[:, :, None] * d[:, None, :]
+    if bad.any():
+        k, i, j = (int(v) for v in np.argwhere(bad)[0])
+        raise ValueError(
+            f"{name}[{columns.row[rows[k]]}] is not symmetric: "
+            f"elements [{i}, {j}] and [{j}, {i}] differ"
+        )
+
+
+def _check_definite(name: str, column: Floats, rows: NDArray[np.int64], columns: Columns) -> None:
+    scaled = unit_diagonal(column[rows])
+    try:
+        np.linalg.cholesky(scaled)
+    except np.linalg.LinAlgError:
+        for k, matrix in zip(rows, scaled, strict=True):
+            minor = _failing_minor(matrix)
+            if minor:
+                raise np.linalg.LinAlgError(
+                    f"{name}[{columns.row[k]}] is not positive definite (leading minor {minor})"
+                ) from None
+
+
+def _failing_minor(matrix: Floats) -> int:
+    """Size of the first leading minor that is not positive; 0 if all are."""
+    for size in range(1, len(matrix) + 1):
+        try:
+            np.linalg.cholesky(matrix[:size, :size])
+        except np.linalg.LinAlgError:
+            return size
+    return 0
+
+
+def unit_diagonal(covariances: Floats) -> Floats:
+    """Covariances scaled to a unit diagonal, with an identity where components are missing.
+
+    Latitudes in degrees next to speeds in knots give condition numbers of 1e9; scaling costs
+    nothing and takes the units out. A variance that is not positive stays on the diagonal as it is.
+    """
+    whole = completed(covariances)
+    variances = np.einsum("kii->ki", whole)
+    d = np.sqrt(np.where(variances > 0, variances, 1.0))
+    scaled: Floats = (whole + whole.swapaxes(1, 2)) / (2 * d[:, :, None] * d[:, None, :])
+    return scaled
+
+
+def completed(covariances: Floats, there: NDArray[np.bool_] | None = None) -> Floats:
+    """Covariances with those of an identity for missing components, and for those not ``there``.
+
+    With an error of 0 such a component adds nothing to a quadratic form, and since it is
+    independent of the others it changes nothing of theirs.
+    """
+    absent = np.isnan(covariances)
+    if there is not None:
+        absent |= ~(there[:, :, None] & there[:, None, :])
+    if not absent.any():
+        return covariances
+    return np.where(absent, np.eye(covariances.shape[1]), covariances)

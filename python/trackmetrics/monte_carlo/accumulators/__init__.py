@@ -1,0 +1,1 @@
+"""Accumulators: statistics over runs that merge in any order to the same bits."""

@@ -1,0 +1,182 @@
+"""What all accumulators share: runs go in, in any order and batches; the same bits come out."""
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmetrics import _check
+from trackmetrics.monte_carlo import serialization
+from trackmetrics.monte_carlo.run_tree import Floats, RunTree, canonical, first_overlap
+
+Counts = NDArray[np.int64]
+
+
+class Accumulator(ABC):
+    """Sums over runs on the tree of run numbers, and counts, which add up the same in any order.
+
+    Memory is O(numbers of one run x log runs). A subclass sets ``kind``, keeps what it was made
+    with in ``settings`` (of numbers, strings and lists) and what it learns from its first run in
+    ``shape``.
+    """
+
+    kind: ClassVar[str]
+
+    def __init__(self, settings: dict[str, Any]) -> None:
+        self.settings = settings
+        self.shape: dict[str, Any] | None = None
+        self._tree = RunTree()
+        self._counts: dict[str, Counts] = {}
+        self._skipped = 0
+
+    @property
+    def runs(self) -> int:
+        """How many runs gave something."""
+        return len(self._tree) - self._skipped
+
+    @property
+    def covered(self) -> list[tuple[int, int]]:
+        """The runs that went in, with those that gave nothing, as intervals ``first .. stop``."""
+        return self._tree.intervals()
+
+    def __repr__(self) -> str:
+        covered = ", ".join(f"{first}..{stop}" for first, stop in self.covered)
+        return f"<{type(self).__name__} of {self.runs} runs{covered and ': '}{covered}>"
+
+    def skip(self, first_run: int, runs: int = 1) -> None:
+        """Says that these runs give nothing: they count as done, and add nothing."""
+        self._require_new(first_run, runs)
+        self._cover(first_run, runs)
+        self._skipped += runs
+
+    def merge(self, other: Self) -> None:
+        """Adds the runs of ``other``, which must be other runs, accumulated in the same way.
+
+        Raises
+        ------
+        ValueError
+            Where ``other`` was made with other settings or shapes, or has a run that is here too.
+        """
+        if type(other) is not type(self):
+            raise TypeError(f"a {self.kind} cannot take in a {type(other).__name__}")
+        if other.settings != self.settings:
+            raise ValueError(_difference("settings", self.settings, other.settings))
+        if other.shape is not None:
+            self._take_shape(other.shape)
+        if overlap := first_overlap(self._tree, other._tree):
+            raise ValueError(f"the runs {overlap[0]}..{overlap[1]} are in both")
+        self._tree.merge(other._tree)
+        self._add_counts(other._counts)
+        self._skipped += other._skipped
+
+    def to_bytes(self) -> bytes:
+        """Everything as bytes: the same bytes for the same runs, however they were cut."""
+        nodes = list(self._tree)
+        rows = [row for _, _, row in nodes if row is not None]
+        arrays: dict[str, NDArray[Any]] = {
+            "nodes": np.array([[s, lv, r is not None] for s, lv, r in nodes], np.int64),
+            "rows": np.stack(rows) if rows else np.empty((0, 0)),
+            **{f"count {name}": counts for name, counts in sorted(self._counts.items())},
+        }
+        header = {
+            "settings": self.settings,
+            "shape": self.shape,
+            "skipped": self._skipped,
+            "top": self._tree.top,
+        }
+        return serialization.pack(self.kind, header, arrays)
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """What ``to_bytes`` was called on.
+
+        Raises
+        ------
+        ValueError
+            Where ``data`` are damaged, of another kind, or of a format that this version cannot
+            read.
+        """
+        header, arrays = serialization.unpack(data, cls.kind)
+        made = cls._from_settings(header["settings"])
+        made.shape, made._skipped = header["shape"], header["skipped"]
+        made._tree = RunTree(header["top"])
+        rows = iter(arrays["rows"])
+        for start, level, given in arrays["nodes"].reshape(-1, 3).tolist():
+            made._tree.add(start, level, next(rows) if given else None)
+        prefix = "count "
+        made._counts = {
+            name.removeprefix(prefix): array
+            for name, array in arrays.items()
+            if name.startswith(prefix)
+        }
+        return made
+
+    @abstractmethod
+    def result(self) -> Any:
+        """What the runs so far say."""
+
+    @classmethod
+    def _from_settings(cls, settings: dict[str, Any]) -> Self:
+        made = cls.__new__(cls)
+        Accumulator.__init__(made, settings)
+        return made
+
+    def empty_copy(self) -> Self:
+        """One that takes the same runs, and has none."""
+        made = self._from_settings(self.settings)
+        made._tree.top = self._tree.top
+        return made
+
+    def moved_to(self, run: int) -> Self:
+        """A copy of one run, numbered 0, as the run of this number."""
+        nodes = list(self._tree)
+        if [(start, level) for start, level, _ in nodes] != [(0, 0)]:
+            raise ValueError(
+                f"an accumulator of one run must hold run 0, this holds {self.covered}"
+            )
+        made = self.empty_copy()
+        made.shape, made._counts, made._skipped = self.shape, self._counts, self._skipped
+        made._tree.add(run, 0, nodes[0][2])
+        return made
+
+    def _cover(self, first_run: int, runs: int) -> None:
+        """Says that these runs are in, without sums."""
+        for start, level in canonical(first_run, first_run + runs, self._tree.top):
+            self._tree.add(start, level, None)
+
+    def _absorb(self, first_run: int, runs: int, rows: Floats, counts: dict[str, Counts]) -> None:
+        """Takes in the rows of the canonical nodes of a batch of runs."""
+        nodes = canonical(first_run, first_run + runs, self._tree.top)
+        for (start, level), row in zip(nodes, rows, strict=True):
+            self._tree.add(start, level, row)
+        self._add_counts(counts)
+
+    def _add_counts(self, counts: dict[str, Counts]) -> None:
+        for name, array in counts.items():
+            known = self._counts.get(name)
+            self._counts[name] = array.copy() if known is None else known + array
+
+    def _require_new(self, first_run: int, runs: int) -> None:
+        _check.count("first_run", first_run, 0)
+        new = RunTree()
+        for start, level in canonical(first_run, first_run + runs):
+            new.add(start, level, None)
+        if overlap := first_overlap(self._tree, new):
+            raise ValueError(f"the runs {overlap[0]}..{overlap[1]} are in already")
+
+    def _take_shape(self, shape: dict[str, Any]) -> None:
+        """Every run has the shape of the first."""
+        if self.shape is None:
+            self.shape = shape
+        elif self.shape != shape:
+            raise ValueError(_difference("shapes", self.shape, shape))
+
+    def _total(self) -> Floats | None:
+        return self._tree.total()
+
+
+def _difference(what: str, ours: dict[str, Any], theirs: dict[str, Any]) -> str:
+    names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
+    words = (f"{name} is {theirs.get(name)}, expected {ours.get(name)}" for name in names)
+    return f"runs of other {what}: {'; '.join(words)}"

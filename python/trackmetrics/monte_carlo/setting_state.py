@@ -1,0 +1,142 @@
+"""What is known of one setting: its accumulators, the runs that are done, and those that failed."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Self
+
+from trackmetrics.monte_carlo import serialization
+from trackmetrics.monte_carlo.accumulators.base import Accumulator
+from trackmetrics.monte_carlo.run_tree import RunTree, canonical
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A run that raised an exception."""
+
+    run: int
+    """Its number."""
+    settings: dict[str, Any]
+    """What it was called with."""
+    error: str
+    """The exception and its message, in one line."""
+    traceback: str
+    """Where it was raised."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields."""
+        return asdict(self)
+
+
+class Tally:
+    """Accumulators by name, all over the same runs."""
+
+    def __init__(self) -> None:
+        self.cells: dict[str, Accumulator] = {}
+        self.failures: dict[int, tuple[str, str]] = {}
+        self._covered = RunTree()
+
+    @property
+    def covered(self) -> list[tuple[int, int]]:
+        """The runs that are done, as intervals."""
+        return self._covered.intervals()
+
+    def __len__(self) -> int:
+        """How many runs are done."""
+        return len(self._covered)
+
+    def fail(self, run: int, error: str, traceback: str) -> None:
+        """Records a run that failed."""
+        self.failures[run] = (error, traceback)
+        for cell in self.cells.values():
+            cell.skip(run)
+        self._cover(run, run + 1)
+
+    def take(self, name: str, cell: Accumulator, first: int, stop: int) -> None:
+        """Adds an accumulator of the runs ``first .. stop``; all cells, then ``cover`` them."""
+        known = self.cells.get(name)
+        if known is None:
+            known = self._opened(cell)
+        known.merge(cell)
+        self.cells[name] = known
+
+    def cover(self, first: int, stop: int) -> None:
+        """Says that these runs are done, in every cell."""
+        for name, cell in self.cells.items():
+            if cell.covered != _joined(self._covered, first, stop):
+                raise ValueError(f"the runs {first}..{stop} gave no {name}, others did")
+        self._cover(first, stop)
+
+    def merge(self, other: "Tally") -> None:
+        """Adds other runs of the same setting."""
+        if self.cells and other.cells and self.cells.keys() != other.cells.keys():
+            ours, theirs = sorted(self.cells), sorted(other.cells)
+            raise ValueError(f"some runs gave {', '.join(ours)}, others {', '.join(theirs)}")
+        for name in self.cells.keys() | other.cells.keys():
+            if name not in other.cells:
+                _skip_all(self.cells[name], other)
+            else:
+                known = self.cells.get(name)
+                if known is None:
+                    known = self.cells[name] = self._opened(other.cells[name])
+                known.merge(other.cells[name])
+        self.failures |= other.failures
+        self._covered.merge(other._covered)
+
+    def _opened(self, like: Accumulator) -> Accumulator:
+        """An accumulator for runs of which those so far gave nothing."""
+        opened = like.empty_copy()
+        _skip_all(opened, self)
+        return opened
+
+    def _cover(self, first: int, stop: int) -> None:
+        for start, level in canonical(first, stop):
+            self._covered.add(start, level, None)
+
+    def to_bytes(self) -> bytes:
+        """Everything as bytes: the same for the same runs, however they were cut."""
+        names = sorted(self.cells)
+        parts = [self.cells[name].to_bytes() for name in names]
+        header = {
+            "cells": [[n, self.cells[n].kind, len(p)] for n, p in zip(names, parts, strict=True)],
+            "failures": [[run, *self.failures[run]] for run in sorted(self.failures)],
+            "covered": self.covered,
+        }
+        return serialization.seal("Tally", header, b"".join(parts))
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Self:
+        """What ``to_bytes`` was called on."""
+        header, body = serialization.opened(data, "Tally")
+        made, place = cls(), 0
+        kinds = accumulator_kinds()
+        for name, kind, size in header["cells"]:
+            made.cells[name] = kinds[kind].from_bytes(body[place : place + size])
+            place += size
+        made.failures = {run: (error, text) for run, error, text in header["failures"]}
+        for first, stop in header["covered"]:
+            made._cover(first, stop)
+        return made
+
+
+def accumulator_kinds() -> Mapping[str, type[Accumulator]]:
+    """Every accumulator by its kind."""
+    found: dict[str, type[Accumulator]] = {}
+    open_kinds: list[Any] = [Accumulator]
+    while open_kinds:
+        for kind in open_kinds.pop().__subclasses__():
+            found[kind.kind] = kind
+            open_kinds.append(kind)
+    return found
+
+
+def _skip_all(cell: Accumulator, tally: Tally) -> None:
+    for first, stop in tally.covered:
+        cell.skip(first, stop - first)
+
+
+def _joined(covered: RunTree, first: int, stop: int) -> list[tuple[int, int]]:
+    joined = RunTree()
+    joined.merge(covered)
+    for start, level in canonical(first, stop):
+        joined.add(start, level, None)
+    return joined.intervals()

@@ -1,0 +1,171 @@
+"""One track with everything that its figures show: rows, states, clock, colour and symbols."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from trackmetrics.diagnostics import (
+    Diagnosis,
+    EstimatorLog,
+    QuantityVerdict,
+    Segment,
+    State,
+    TrackDiagnosis,
+)
+from trackmetrics.diagnostics.timeline import Timeline
+from trackmetrics.logs.columns import Columns, incomplete
+from trackmetrics.report.scene import Floats, floats
+from trackmetrics.report.theme import TrackStyle, track_styles
+
+SYMBOLS = (
+    "square",
+    "circle",
+    "diamond",
+    "triangle-up",
+    "cross",
+    "triangle-down",
+    "pentagon",
+    "star",
+)
+_MINUTE = {"s": 60.0, "ms": 6e4, "us": 6e7, "ns": 6e10, "min": 1.0, "h": 1 / 60, "d": 1 / 1440}
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Turns the times of a log into minutes since its first update; an unknown unit stays."""
+
+    origin: float
+    """Time of the first update of any track."""
+    minute: float
+    """How many units of time are a minute."""
+    label: str = "minutes since start"
+    """What the axis says."""
+
+    def __call__(self, times: Any) -> Floats:
+        """Minutes since the start."""
+        return (floats(times) - self.origin) / self.minute
+
+    def at(self, time: float) -> float:
+        """One time in minutes since the start."""
+        return float(self(time)[0])
+
+
+@dataclass(frozen=True)
+class Subject:
+    """One track, ready to be drawn."""
+
+    track: TrackDiagnosis
+    style: TrackStyle
+    clock: Clock
+    span: tuple[float, float]
+    """First and last minute of any track: the same axis for all."""
+    states: tuple[State, ...] = ()
+    rows: Columns | None = None
+    symbols: Mapping[str | None, str] | None = None
+
+    @property
+    def minutes(self) -> Floats:
+        """When the updates were."""
+        return np.empty(0) if self.rows is None else self.clock(self.rows.time)
+
+    @property
+    def x_limits(self) -> tuple[float, float]:
+        """The time axis."""
+        room = 0.03 * (self.span[1] - self.span[0])
+        return self.span[0] - room, self.span[1] + room
+
+    def quantities(self) -> list[QuantityVerdict]:
+        """The verdicts of NIS and, with truth, of NEES."""
+        nees = self.track.nees
+        return [self.track.nis] if nees is None else [self.track.nis, nees]
+
+    def segments(self, quantity: str) -> tuple[Segment, ...]:
+        """The segments of NIS or NEES."""
+        return next((v.segments for v in self.quantities() if v.quantity == quantity), ())
+
+    def per_dof(self, quantity: str) -> tuple[Floats, Floats]:
+        """NIS or NEES of each update over its degrees of freedom, and these."""
+        values = self.column(quantity)
+        if values is None:
+            return np.empty(0), np.empty(0)
+        own = self.column(f"{quantity}_dof")
+        dof = np.full(len(values), np.nan) if own is None else own
+        dof = np.where(np.isfinite(values), dof, np.nan)
+        return values / dof, dof
+
+    def column(self, name: str) -> Floats | None:
+        """A column of the log, None where it is absent or holds nothing."""
+        values = None if self.rows is None else getattr(self.rows, name)
+        return None if values is None or not np.isfinite(values).any() else values
+
+    def state_column(self, name: str, state: int) -> Floats | None:
+        """One state's column of the log, None where it is absent or holds nothing."""
+        values = self.column(name)
+        if values is None or not np.isfinite(values[:, state]).any():
+            return None
+        return floats(values[:, state])
+
+    def kinds(self) -> Iterator[tuple[str, str, bool, Any]]:
+        """The rows by measurement type and status: name, symbol, whether tentative, which rows."""
+        if self.rows is None:
+            return
+        kinds, tentative = _words(self.rows.measurement_type, len(self.rows)), self._tentative()
+        for kind, symbol in (self.symbols or {}).items():
+            for hollow in (False, True):
+                chosen = np.array([k == kind for k in kinds]) & (tentative == hollow)
+                if chosen.any():
+                    yield kind or "update", symbol, hollow, chosen
+
+    def lacking(self) -> Any:
+        """Which updates lack a component of their measurement."""
+        if self.rows is None or self.rows.innovation is None:
+            return np.zeros(len(self.minutes), bool)
+        return incomplete(self.rows.innovation, self.rows.measurement_type)
+
+    def _tentative(self) -> Any:
+        assert self.rows is not None
+        status = _words(self.rows.status, len(self.rows))
+        return np.array([word == "tentative" for word in status])
+
+
+def subjects(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[Subject]:
+    """Every track of a diagnosis, the most severe first."""
+    styles = track_styles(diagnosis)
+    clock = _clock(diagnosis)
+    span = (0.0, max((clock.at(t.stop_time) for t in diagnosis.values()), default=1.0) or 1.0)
+    symbols = _symbols(log)
+    return [
+        Subject(
+            track,
+            styles[track.track],
+            clock,
+            span,
+            () if log is None else log.states,
+            log[track.track] if log is not None and track.track in log else None,
+            symbols,
+        )
+        for track in diagnosis.by_severity()
+    ]
+
+
+def _clock(diagnosis: Diagnosis) -> Clock:
+    timeline = next((t.timeline for t in diagnosis.values()), Timeline(0.0, "s"))
+    origin, unit = timeline.start, timeline.unit
+    moment = f", {timeline.moment}" if timeline.moment else ""
+    if unit in _MINUTE:
+        return Clock(origin, _MINUTE[unit], f"minutes since start{moment}")
+    return Clock(origin, 1.0, f"time since start ({unit})")
+
+
+def _symbols(log: EstimatorLog | None) -> dict[str | None, str]:
+    """A symbol for each measurement type, in the order in which the types appear."""
+    if log is None:
+        return {}
+    kinds = dict.fromkeys(_words(log.columns.measurement_type, len(log)))
+    return {kind: SYMBOLS[i % len(SYMBOLS)] for i, kind in enumerate(kinds)}
+
+
+def _words(column: Any, rows: int) -> Any:
+    return np.full(rows, None, object) if column is None else column
