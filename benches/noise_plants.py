@@ -1,4 +1,4 @@
-"""Plants of which the factors on the claimed noises are known: what `estimate_noise` is measured on.
+"""Plants of which the factors on the claimed noises are known, to measure `estimate_noise` on.
 
 The user's filter claims Q and R of a plant; the truth has ``q`` times that process noise, and of
 each sensor ``r`` times the measurement noise. A fault is something that neither explains.
@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from trackmetrics.logs import EstimatorLog
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +66,8 @@ def drone() -> Plant:
     F, Q = chain(2, 1.0, 0.6)
     H = np.kron(np.eye(2), [[1.0, 0.0]])
     return Plant(
-        "drone", np.kron(np.eye(2), F), np.kron(np.eye(2), Q), [Sensor("radar", H, 4.0 * np.eye(2))],
+        "drone", np.kron(np.eye(2), F), np.kron(np.eye(2), Q),
+        [Sensor("radar", H, 4.0 * np.eye(2))],
         np.kron(np.eye(2), np.diag([10.0, 10.0])), ("x", "vx", "y", "vy"),
         np.array([0.5, 1.0, -0.5, -1.0]),
     )  # fmt: skip
@@ -147,7 +150,9 @@ def simulate(plant: Plant, case: Case, updates: int, runs: int, seed: int) -> di
     """Columns ``(runs, updates, ...)`` of many logs of one case, all with the same updates."""
     rng = np.random.default_rng([seed, updates])
     n, m = len(plant.F), max(len(s.R) for s in plant.sensors)
-    factors = {s.name: case.r if np.isscalar(case.r) else case.r.get(s.name, 1.0) for s in plant.sensors}
+    factors = {
+        s.name: case.r if np.isscalar(case.r) else case.r.get(s.name, 1.0) for s in plant.sensors
+    }
     truth = np.zeros((runs, n))
     start = rng.normal(size=(runs, n)) @ np.linalg.cholesky(plant.P0).T
     signs = rng.choice([-1.0, 1.0], (runs, n))
@@ -181,7 +186,9 @@ def simulate(plant: Plant, case: Case, updates: int, runs: int, seed: int) -> di
         L = np.linalg.cholesky(sensor.R * factors[sensor.name])
         white = rng.normal(size=(runs, p))
         if case.correlation and sensor.name in memory:
-            white = case.correlation * memory[sensor.name] + (1 - case.correlation**2) ** 0.5 * white
+            white = (
+                case.correlation * memory[sensor.name] + (1 - case.correlation**2) ** 0.5 * white
+            )
         memory[sensor.name] = white
         v = white @ L.T
         if case.outliers:
@@ -220,3 +227,10 @@ def kick(plant: Plant, sigmas: float) -> Floats:
         shifts.append(shift @ np.linalg.solve(S, shift) / len(shift))
         error, P = predicted - K @ shift, Pp - K @ S @ K.T
     return plant.push * sigmas / np.sqrt(np.mean(shifts[-len(plant.sensors) :]))
+
+
+def one_log(plant: Plant, columns: dict[str, Any], run: int) -> EstimatorLog:
+    """The log of one run."""
+    own = {name: values[run] for name, values in columns.items() if name != "measurement_type"}
+    kinds = columns["measurement_type"]
+    return EstimatorLog.from_columns(states=plant.states, measurement_type=kinds, **own)

@@ -187,9 +187,7 @@ def _factor(S: Floats, k: int) -> Floats:
             try:
                 np.linalg.cholesky(S[:minor, :minor])
             except np.linalg.LinAlgError:
-                raise messages.not_positive_definite(
-                    "innovation covariances", [k], minor
-                ) from None
+                raise messages.not_positive_definite("innovation covariances", [k], minor) from None
         raise
 
 

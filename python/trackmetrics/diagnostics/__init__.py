@@ -2,6 +2,12 @@
 
 from trackmetrics.diagnostics.diagnose import diagnose
 from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
+from trackmetrics.diagnostics.noise import (
+    Factor,
+    LinearModel,
+    NoiseEstimate,
+    estimate_noise,
+)
 from trackmetrics.diagnostics.records import (
     VERDICTS,
     Bias,
@@ -21,8 +27,11 @@ __all__ = [
     "Bias",
     "Diagnosis",
     "EstimatorLog",
+    "Factor",
+    "LinearModel",
     "LiveMonitor",
     "LiveStatus",
+    "NoiseEstimate",
     "Outlier",
     "QuantityVerdict",
     "Segment",
@@ -31,5 +40,6 @@ __all__ = [
     "TrackDiagnosis",
     "Whiteness",
     "diagnose",
+    "estimate_noise",
     "read_log",
 ]

@@ -7,7 +7,7 @@ likelihood would rise only below it.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, log
+from math import exp, inf, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,7 +122,7 @@ def tail_scales(most: int, dof: float) -> tuple[Floats, float]:
     ratio = 1.0
     for p in range(1, most + 1):
         x, weights = _chi_square_nodes(p)
-        low, high = 0.1, 1.0
+        low, high = 0.5, 4.0
         for _ in range(60):
             middle = (low + high) / 2
             if weights @ (middle * (dof + p) * x / (dof + middle * x)) < p:
@@ -151,7 +151,7 @@ def maximise(
     fixed: Sequence[int] = (),
     tolerance: float = 1e-5,
 ) -> Fit:
-    """The factors of the largest likelihood; those whose indices are ``fixed`` stay at ``start``."""
+    """The factors of the largest likelihood; those of the indices ``fixed`` stay at ``start``."""
     factors = np.ones(model.count) if start is None else np.array(start, float)
     lowest, free = model.lowest, np.ones(model.count, bool)
     free[list(fixed)] = False
@@ -178,11 +178,11 @@ def maximise(
 
 def _summed(model: ErrorModel, factors: Floats) -> tuple[float, Floats, Floats]:
     try:
-        values, gradients, informations = model.evaluate(factors)[:3]
+        densities, gradients, informations = model.evaluate(factors)[:3]
     except np.linalg.LinAlgError:
         return -inf, np.zeros(model.count), np.eye(model.count)
     k = model.count
-    return float(values.sum()), gradients.sum(0)[:k], informations.sum(0)[:k, :k]
+    return float(densities.sum()), gradients.sum(0)[:k], informations.sum(0)[:k, :k]
 
 
 def _step(
@@ -196,7 +196,9 @@ def _step(
         index = np.flatnonzero(moving)
         if not len(index):
             break
-        right = gradient[index] - information[np.ix_(index, np.flatnonzero(~moving))] @ step[~moving]
+        right = (
+            gradient[index] - information[np.ix_(index, np.flatnonzero(~moving))] @ step[~moving]
+        )
         step[index] = _solved(information[np.ix_(index, index)], right)
         below = moving & (factors + step < lowest)
         if not below.any():
@@ -234,20 +236,14 @@ class Profile:
         self._known.append(found)
         return max(0.0, 2 * (self.fit.value - found.value) / self.ratio)
 
-    def reach(self, value: float) -> float:
-        """How many standard deviations of the estimate a true factor of this value is above 0."""
-        if self.index >= len(self.model.process):
-            return inf
-        near = min(self._known, key=lambda f: abs(f.factors[self.index] - value))
-        factors = near.factors.copy()
-        factors[self.index] = value
-        information = _summed(self.model, factors)[2]
-        variance = partial_variance(information, self.index)
-        return value / variance**0.5 if variance > 0 else inf
-
     def p_value(self, value: float) -> float:
-        """Probability of so large a statistic if this value is true."""
-        return boundary_tail(self.statistic(value), self.reach(value))
+        """Probability of so large a statistic if this value is true.
+
+        At 0, below which no estimate can be, the statistic is 0 in half of all logs and a
+        chi-square in the others: Self and Liang (1987), doi:10.1080/01621459.1987.10478472.
+        """
+        share = 0.5 if value <= 0 else 1.0
+        return share * chi_square_tail(self.statistic(value), 1)
 
     def interval(self, level: float) -> tuple[float, float]:
         """All values whose p-value is at least ``1 - level``; infinite or 0 ends where there is no
@@ -255,62 +251,39 @@ class Profile:
         return self._end(level, -1), self._end(level, 1)
 
     def _end(self, level: float, side: int) -> float:
-        alpha, best = 1 - level, self.fit.factors[self.index]
+        alpha = 1 - level
         limit = LARGEST if side > 0 else SMALLEST
-        outside = lambda value: self.p_value(value) < alpha  # noqa: E731
-        inside, step = max(best, SMALLEST), 1.3
+        inside, step = max(float(self.fit.factors[self.index]), SMALLEST), 1.3
         while True:
-            if (inside >= limit) if side > 0 else (inside <= limit):
-                return inf if side > 0 else 0.0
+            if inside == limit:
+                return self._limit(alpha, side)
             value = inside * step**side
             value = min(value, limit) if side > 0 else max(value, limit)
-            if outside(value):
-                break
+            if self.p_value(value) < alpha:
+                return self._bisected(inside, value, alpha)
             inside, step = value, step**1.6
-        return self._bisected(inside, value, outside)
 
-    def _bisected(self, inside, beyond, outside) -> float:
+    def _limit(self, alpha: float, side: int) -> float:
+        """The end where no factor within the range is refused."""
+        if side > 0:
+            return inf
+        process = self.index < len(self.model.process)
+        return SMALLEST if process and self.p_value(0.0) < alpha else 0.0
+
+    def _bisected(self, inside: float, beyond: float, alpha: float) -> float:
         """The end of the interval, within 0.5 %."""
         low, high = log(inside), log(beyond)
         while abs(high - low) > 0.005:
             middle = (low + high) / 2
-            if outside(float(np.exp(middle))):
+            if self.p_value(exp(middle)) < alpha:
                 high = middle
             else:
                 low = middle
-        return float(np.exp((low + high) / 2))
+        return exp((low + high) / 2)
 
 
 def _log(value: float) -> float:
     return log(max(value, SMALLEST))
-
-
-def partial_variance(information: Floats, index: int) -> float:
-    """Variance of one factor's estimate, the others being estimated as well."""
-    d = np.sqrt(np.maximum(information.diagonal(), 1e-300))
-    scaled = information / np.outer(d, d) + 1e-10 * np.eye(len(d))
-    return float(np.linalg.inv(scaled)[index, index] / d[index] ** 2)
-
-
-def boundary_tail(statistic: float, reach: float) -> float:
-    """Probability of a larger likelihood ratio where the estimate cannot be below 0.
-
-    With Z the normal score of the unbounded estimate and b (``reach``) the true factor in its
-    standard deviations, the statistic is Z^2 where Z > -b, and -b^2 - 2 b Z below: at b = 0 half a
-    point mass at 0 and half a chi-square, far above 0 a chi-square. Self and Liang (1987),
-    doi:10.1080/01621459.1987.10478472.
-    """
-    from scipy import special
-
-    if statistic <= 0:
-        return 1.0
-    root = statistic**0.5
-    upper = float(special.ndtr(-root))
-    if root <= reach:
-        return upper + float(special.ndtr(-root))
-    if reach <= 0:
-        return upper
-    return upper + float(special.ndtr(-(statistic + reach**2) / (2 * reach)))
 
 
 def chi_square_tail(statistic: float, dof: int) -> float:

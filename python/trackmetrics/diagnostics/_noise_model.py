@@ -1,6 +1,6 @@
 """From a log to the linear model of its prediction errors: F, Q, H, R, corrections, row by row."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics.diagnostics._noise_fit import ErrorModel, Floats, Integers
-from trackmetrics.diagnostics.log import EstimatorLog
-from trackmetrics.diagnostics.columns import Columns
-from trackmetrics.diagnostics.deriving import component_periods, wrapped
+from trackmetrics.logs.columns import Columns
+from trackmetrics.logs.derived import component_periods, wrapped
+from trackmetrics.logs.log import EstimatorLog
 
 NOT_A_COVARIANCE = 1e-6
 """Relative size of a negative eigenvalue above which a derived noise is no covariance."""
@@ -21,8 +21,8 @@ class LinearModel:
     """The model of a filter, or its Jacobians: what a log without ``A`` or ``H`` does not say.
 
     ``F`` is an ``(n, n)`` array, a ``(rows, n, n)`` array, or a function of the updated state and
-    the time since that update, ``F(x, dt)``. ``H`` is an ``(m, n)`` array, a dictionary of arrays by
-    measurement type, or a function of the predicted state and the measurement type,
+    the time since that update, ``F(x, dt)``. ``H`` is an ``(m, n)`` array, a dictionary of arrays
+    by measurement type, or a function of the predicted state and the measurement type,
     ``H(x_pred, measurement_type)``. Either may be None where the log has it.
 
     >>> LinearModel(F=[[1.0, 1.0], [0.0, 1.0]], H=[[1.0, 0.0]]).H
@@ -46,8 +46,8 @@ class LogModel:
     """Track of the log of each piece of the model."""
     names: tuple[str, ...]
     """Names of the log's tracks."""
-    wrapped: NDArray[np.bool_]
-    """Which rows have an innovation beyond half a period."""
+    unwrapped: NDArray[np.bool_]
+    """Rows at which the filter used the residual of an angle beyond half its period."""
 
 
 class NotEnoughError(ValueError):
@@ -71,7 +71,6 @@ def log_model(
     F = _transitions(log, model, H, R, P_pred, P)
     Q, linked = _process_noises(log, F, P_pred, P)
     corrections = _corrections(log, H, P_pred)
-    chained = linked & ~np.isnan(corrections).any(axis=1).copy()
     usable = ~np.isnan(P_pred).any(axis=(1, 2)) & _active(columns)
     known = ~np.isnan(corrections).any(axis=1)
     pieces, tracks = _pieces(log, usable, linked, known)
@@ -84,7 +83,6 @@ def log_model(
     groups, process_names = _groups(log, Q[rows], process, starts)
     periods = component_periods(columns, log.states, log.measurement_angles)
     assert periods is not None
-    del chained
     errors = ErrorModel(
         innovations=_plain(innovations[rows]),
         H=_plain(np.nan_to_num(H[rows])),
@@ -99,8 +97,27 @@ def log_model(
         process=process_names,
         measurement=names,
     )
-    beyond = (np.abs(innovations) > periods / 2).any(axis=1)[rows]
-    return LogModel(errors, rows, np.array(tracks, np.int64), log.tracks, beyond)
+    unwrapped = _unwrapped(columns, H, P_pred, periods, corrections)[rows]
+    return LogModel(errors, rows, np.array(tracks, np.int64), log.tracks, unwrapped)
+
+
+def _unwrapped(
+    columns: Columns, H: Floats, P_pred: Floats, periods: Floats, corrections: Floats
+) -> NDArray[np.bool_]:
+    """Rows whose correction is that of the residual as it is, not that of the wrapped one."""
+    assert columns.innovation is not None
+    beyond = (np.abs(columns.innovation) > periods / 2).any(axis=1)
+    there = _there(columns, H)
+    for k in np.flatnonzero(beyond):
+        if columns.S is None or np.isnan(P_pred[k]).any():
+            continue
+        h, S = H[k][there[k]], columns.S[k][np.ix_(there[k], there[k])]
+        nu = columns.innovation[k][there[k]]
+        gain = np.linalg.solve(S, h @ P_pred[k]).T
+        used = np.abs(corrections[k] - gain @ nu).sum()
+        inside = np.abs(corrections[k] - gain @ wrapped(nu, periods[k][there[k]])).sum()
+        beyond[k] = used <= inside
+    return beyond
 
 
 def _plain(values: Floats) -> Floats:
@@ -394,8 +411,3 @@ def _split(Q: Floats, blocks: list[list[int]]) -> Floats:
         index = np.ix_(range(len(Q)), block, block)
         parts[:, g][index] = Q[index]
     return parts
-
-
-def callable_name(function: Callable[..., Any]) -> str:
-    """The name of a function, for messages."""
-    return getattr(function, "__name__", repr(function))

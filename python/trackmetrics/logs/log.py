@@ -91,8 +91,9 @@ class EstimatorLog:
             one number: ``nis``, ``nis_dof``, ``nees``, ``nees_dof``; a vector of the measurement:
             ``z``, ``innovation``; a vector of the state: ``x_pred``, ``x``, ``truth``, ``error``,
             ``std``; a matrix: ``S``, ``R``, ``P_pred``, ``P``, ``A`` (covariances also as the upper
-            triangle). Rows are in the order of time within each track; None or NaN is missing, a
-            row or single components of it (of a matrix with their rows and columns).
+            triangle), and ``H``, ``m x n``. Rows are in the order of time within each track; None
+            or NaN is missing, a row or single components of it (of a matrix with their rows and
+            columns).
 
         Returns
         -------
