@@ -180,8 +180,7 @@ def _wrapped(d: Floats, periods: Floats) -> Floats:
 
 def _factor(S: Floats, k: int) -> Floats:
     try:
-        factor: Floats = np.linalg.cholesky(S)
-        return factor
+        return np.asarray(np.linalg.cholesky(S), np.float64)
     except np.linalg.LinAlgError:
         for minor in range(1, len(S) + 1):
             try:

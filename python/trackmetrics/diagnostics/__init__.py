@@ -1,10 +1,10 @@
 """Is the filter honest, since when, and which state? A log of an estimator, and its diagnosis."""
 
+from trackmetrics.diagnostics._noise_model import LinearModel
 from trackmetrics.diagnostics.diagnose import diagnose
 from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
 from trackmetrics.diagnostics.noise import (
     Factor,
-    LinearModel,
     NoiseEstimate,
     estimate_noise,
 )

@@ -123,7 +123,7 @@ def _offset(model: ErrorModel, kind: int, factors: Floats) -> tuple[Floats, floa
     n, e = model.H.shape[2], len(used)
     variances = model.R[rows][:, used, used].mean(axis=0)
     H = np.zeros((*model.H.shape[:2], e))
-    H[np.ix_(rows, used, range(e))] = np.eye(e)
+    H[np.ix_(np.flatnonzero(rows), used, np.arange(e))] = np.eye(e)
     prior = np.diag(100.0 * variances / model.initial_factor)
     larger = _augmented(model, H, np.eye(e), np.zeros((e, e)), prior)
     means, covariances = larger.evaluate(factors, False)[4:]
@@ -214,7 +214,8 @@ def _beside(hits: NDArray[np.bool_], starts: Integers) -> NDArray[np.bool_]:
     first[starts[:-1][starts[:-1] < len(hits)]] = True
     after = np.concatenate([[False], hits[:-1]]) & ~first
     before = np.concatenate([(hits & ~first)[1:], [False]])
-    return after | before
+    beside: NDArray[np.bool_] = after | before
+    return beside
 
 
 # Changes in time -------------------------------------------------------------------------------
@@ -236,7 +237,7 @@ def _changes(base: Baseline) -> Iterator[Fault]:
     _, gradients, informations = split.evaluate(factors)[:3]
     gradient, information = gradients.sum(0)[:-1], informations.sum(0)[:-1, :-1]
     groups = len(model.process)
-    whole = np.kron(np.eye(model.count), np.ones((most, 1)))
+    whole: Floats = np.kron(np.eye(model.count), np.ones((most, 1))).astype(np.float64)
     choices = most * (most + 1) // 2
     kinds = [tuple(range(groups))] + [(groups + t,) for t in range(len(model.measurement))]
     for kind in kinds:
@@ -281,7 +282,7 @@ def _best_window(
             for k in kind:
                 w[k * most + a : k * most + b] = 1.0
             shared = whole.T @ information @ w
-            own = w @ information @ w - shared @ np.linalg.solve(base, shared)
+            own = float(w @ information @ w - shared @ np.linalg.solve(base, shared))
             if own > 1e-9 * (w @ information @ w):
                 score = abs(float(w @ gradient)) / own**0.5
                 if score > best:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, inf, log
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,16 +71,20 @@ class ErrorModel:
         likelihood ratios exceed a chi-square."""
         return tail_scales(self.innovations.shape[1], self.tail_dof)
 
-    def evaluate(self, factors: Floats, derivatives: bool = True, initial: float | None = None):
+    def evaluate(
+        self, factors: Floats, derivatives: bool = True, initial: float | None = None
+    ) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
         """What the kernel gives at these factors."""
         split = len(self.process)
-        return _backend.kernels.noise_likelihood(
+        found: tuple[Floats, Floats, Floats, Floats, Floats, Floats]
+        found = _backend.kernels.noise_likelihood(
             self.innovations, self.H, self.R, self.types, self.F, self.Q, self.corrections,
             self.periods, self.initial, self.starts,
             np.ascontiguousarray(factors[:split]), np.ascontiguousarray(factors[split:]),
             float(self.initial_factor if initial is None else initial),
             float(self.tail_dof), self.tail[0], derivatives,
         )  # fmt: skip
+        return found
 
     def likelihood(self, factors: Floats) -> float:
         """Log-likelihood of all tracks."""
@@ -94,7 +99,7 @@ class ErrorModel:
     def track(self, index: int) -> "ErrorModel":
         """One track alone."""
         rows = slice(int(self.starts[index]), int(self.starts[index + 1]))
-        cut = {
+        cut: dict[str, Any] = {
             name: np.ascontiguousarray(getattr(self, name)[rows])
             for name in ("innovations", "H", "R", "types", "F", "Q", "corrections", "periods")
         }
@@ -119,7 +124,7 @@ def tail_scales(most: int, dof: float) -> tuple[Floats, float]:
     scales = np.ones(most + 1)
     if np.isinf(dof):
         return scales, 1.0
-    ratio = 1.0
+    ratio = 0.0
     for p in range(1, most + 1):
         x, weights = _chi_square_nodes(p)
         low, high = 0.5, 4.0
@@ -132,8 +137,7 @@ def tail_scales(most: int, dof: float) -> tuple[Floats, float]:
         scales[p] = s = (low + high) / 2
         weighted = s * (dof + p) * x / (dof + s * x)
         slope = weights @ (weighted * dof / (dof + s * x))
-        if p == 1 or p == most:
-            ratio = max(ratio, float(weights @ (weighted - p) ** 2 / 2 / slope))
+        ratio = max(ratio, float(weights @ (weighted - p) ** 2 / 2 / slope))
     return scales, ratio
 
 

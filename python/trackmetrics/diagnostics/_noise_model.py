@@ -71,8 +71,8 @@ def log_model(
     F = _transitions(log, model, H, R, P_pred, P)
     Q, linked = _process_noises(log, F, P_pred, P)
     corrections = _corrections(log, H, P_pred)
-    usable = ~np.isnan(P_pred).any(axis=(1, 2)) & _active(columns)
-    known = ~np.isnan(corrections).any(axis=1)
+    usable = _complete(P_pred) & _active(columns)
+    known = _complete(corrections)
     pieces, tracks = _pieces(log, usable, linked, known)
     if not pieces:
         raise NotEnoughError("no update of the log has P_pred, H (or observed) and S")
@@ -106,7 +106,7 @@ def _unwrapped(
 ) -> NDArray[np.bool_]:
     """Rows whose correction is that of the residual as it is, not that of the wrapped one."""
     assert columns.innovation is not None
-    beyond = (np.abs(columns.innovation) > periods / 2).any(axis=1)
+    beyond = np.asarray((np.abs(columns.innovation) > periods / 2).any(axis=1))
     there = _there(columns, H)
     for k in np.flatnonzero(beyond):
         if columns.S is None or np.isnan(P_pred[k]).any():
@@ -118,6 +118,11 @@ def _unwrapped(
         inside = np.abs(corrections[k] - gain @ wrapped(nu, periods[k][there[k]])).sum()
         beyond[k] = used <= inside
     return beyond
+
+
+def _complete(column: Floats) -> NDArray[np.bool_]:
+    """Which rows lack no element."""
+    return np.asarray(~np.isnan(column.reshape(len(column), -1)).any(axis=1))
 
 
 def _plain(values: Floats) -> Floats:
@@ -270,7 +275,7 @@ def _process_noises(
     Q = np.full(P_pred.shape, np.nan)
     Q[1:] = P_pred[1:] - F[1:] @ P[:-1] @ F[1:].swapaxes(1, 2)
     Q[list(log.starts[:-1])] = np.nan
-    known = ~np.isnan(Q).any(axis=(1, 2))
+    known = _complete(Q)
     Q = (Q + Q.swapaxes(1, 2)) / 2
     d = np.sqrt(np.where(known[:, None], P_pred.diagonal(axis1=1, axis2=2), 1.0))
     scaled = np.where(known[:, None, None], Q, 0.0) / (d[:, :, None] * d[:, None, :])
@@ -304,7 +309,7 @@ def _corrections(log: EstimatorLog, H: Floats, P_pred: Floats) -> Floats:
         if len(log.states):
             periods = np.array([s.period or np.nan for s in log.states])
             moved = wrapped(moved, np.broadcast_to(periods, moved.shape))
-        corrections = np.where(np.isnan(moved).any(axis=1)[:, None], corrections, moved)
+        corrections = np.where(_complete(moved)[:, None], moved, corrections)
     return corrections
 
 
@@ -371,8 +376,7 @@ def _state(names: Sequence[str], state: str | int) -> int:
 def _coupled(Q: Floats) -> NDArray[np.bool_]:
     """Which states share process noise in any row."""
     d = np.sqrt(np.maximum(Q.diagonal(axis1=1, axis2=2), 1e-300))
-    linked: NDArray[np.bool_] = (np.abs(Q) > 1e-6 * d[:, :, None] * d[:, None, :]).any(axis=0)
-    return linked
+    return np.asarray((np.abs(Q) > 1e-6 * d[:, :, None] * d[:, None, :]).any(axis=0))
 
 
 def _blocks(coupled: NDArray[np.bool_]) -> list[list[int]]:

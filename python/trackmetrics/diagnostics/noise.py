@@ -27,7 +27,7 @@ from trackmetrics.logs.log import EstimatorLog
 
 ALARM = 0.01
 """Probability that a change is advised for a consistent filter."""
-UNEXPLAINED = 0.0025
+UNEXPLAINED = 0.001
 """Probability, under the best factors, of a fault as significant as one that is reported."""
 
 
@@ -135,8 +135,8 @@ def estimate_noise(
     level
         Level of the confidence intervals.
     robust
-        Whether innovations are given Student's t distribution with 5 degrees of freedom, so that
-        a few outliers do not count as measurement noise.
+        Whether clear outliers are set aside, and the other innovations given Student's t
+        distribution with 5 degrees of freedom, so that they do not count as measurement noise.
     model
         ``F`` and ``H`` where the log lacks ``A`` or ``H``, as arrays or functions.
 
@@ -198,7 +198,7 @@ def estimate_noise(
         found = log_model(log, process, measurement, model)
     except NotEnoughError as lack:
         return _direction_only(log, level, str(lack))
-    errors = replace(found.errors, tail_dof=ROBUST_DOF) if robust else found.errors
+    errors = _robust(found.errors) if robust else found.errors
     fit = maximise(errors)
     claimed = errors.likelihood(np.ones(errors.count))
     factors = _factors(errors, fit, level)
@@ -228,6 +228,12 @@ def estimate_noise(
         updates=int((~np.isnan(errors.innovations)).any(axis=1).sum()),
         level=level,
     )
+
+
+def _robust(errors: ErrorModel) -> ErrorModel:
+    """The model without clear outliers, and with Student's t distribution for the others."""
+    rest = errors.without(outlying(errors, np.ones(errors.count)))
+    return replace(rest, tail_dof=ROBUST_DOF)
 
 
 def _factors(errors: ErrorModel, fit: Fit, level: float) -> list[Factor]:
