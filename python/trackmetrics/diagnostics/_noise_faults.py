@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics.diagnostics._noise_fit import (
+    NEAR,
     ErrorModel,
     Fit,
     Floats,
@@ -23,8 +24,12 @@ from trackmetrics.diagnostics._noise_fit import (
 
 BLOCKS = 10
 """Into so many parts a track is cut when a change in time is sought."""
+CHUNK = 20_000
+"""How many updates are looked at together for a change in time."""
 CORRELATIONS = (-0.6, -0.3, 0.3, 0.5, 0.7, 0.85, 0.95)
 """Correlations of consecutive measurement noises that are tried."""
+MEASURED_AS_STATE = 1e-4
+"""Fraction of a measurement noise that stays where the noise is a set of states."""
 OUTLIER_LEVEL = 0.01
 """Probability of an outlier in a log without any."""
 MOST_OUTLIERS = 0.15
@@ -47,8 +52,6 @@ class Fault:
     by the Bayesian information criterion."""
     p_value: float
     """Probability of so large a gain over the best factors if there is no such fault."""
-    factors: Floats
-    """Best factors beside it."""
 
 
 @dataclass(frozen=True)
@@ -73,13 +76,12 @@ class Baseline:
         fitted: float,
         dof: int,
         choices: float,
-        factors: Floats,
     ) -> Fault:
         """A fault of so many parameters, the best of so many that were tried."""
         gain = 2 * (claimed - self.claimed) - dof * log(self.size) - 2 * log(choices)
         statistic = 2 * (fitted - self.fit.value)
         p_value = min(1.0, choices * chi_square_tail(statistic, dof))
-        return Fault(reason, detail, gain, p_value, factors)
+        return Fault(reason, detail, gain, p_value)
 
 
 def faults(model: ErrorModel, fit: Fit) -> list[Fault]:
@@ -100,13 +102,13 @@ def _biases(base: Baseline) -> Iterator[Fault]:
         if claimed is None or fitted is None:
             continue
         shifted = _shifted(base.model, kind, fitted[0])
-        found = maximise(shifted, base.fit.factors)
+        found = maximise(shifted, base.fit.factors, tolerance=NEAR)
         value = max(found.value, base.fit.value + fitted[1] / 2)
         listed = ", ".join(f"{v:.4g}" for v in fitted[0][: fitted[2]])
         detail = f"the innovations of {name} have a mean offset of {listed}"
         yield base.fault(
             "bias", detail, base.claimed + claimed[1] / 2, value,
-            claimed[2], len(base.model.measurement), found.factors,
+            claimed[2], len(base.model.measurement),
         )  # fmt: skip
 
 
@@ -176,7 +178,7 @@ def outlying(model: ErrorModel, start: Floats) -> NDArray[np.bool_]:
     from scipy import special
 
     robust = replace(model, tail_dof=ROBUST_DOF)
-    fit = maximise(robust, start)
+    fit = maximise(robust, start, tolerance=NEAR)
     whitened = robust.evaluate(fit.factors, False)[3]
     components = (~np.isnan(model.innovations)).sum(axis=1)
     tails = special.gammaincc(np.maximum(components, 1) / 2, (whitened**2).sum(axis=1) / 2)
@@ -192,14 +194,14 @@ def _outliers(base: Baseline) -> Iterator[Fault]:
     if not count or count > MOST_OUTLIERS * len(hits) or isolated.sum() < 0.7 * count:
         return
     rest = base.model.without(hits)
-    found = maximise(rest, base.fit.factors)
+    found = maximise(rest, base.fit.factors, tolerance=NEAR)
     dof = int((~np.isnan(base.model.innovations[hits])).sum())
     choices = float(comb(len(hits), count))
     ones = np.ones(base.model.count)
     detail = f"{count} of {len(hits)} updates are outliers"
     claimed = rest.likelihood(ones) + _without_error(base.model, ones, hits)
     fitted = found.value + _without_error(base.model, found.factors, hits)
-    yield base.fault("outliers", detail, claimed, fitted, dof, choices, found.factors)
+    yield base.fault("outliers", detail, claimed, fitted, dof, choices)
 
 
 def _without_error(model: ErrorModel, factors: Floats, hits: NDArray[np.bool_]) -> float:
@@ -229,13 +231,7 @@ def _changes(base: Baseline) -> Iterator[Fault]:
     most = int(blocks.max()) + 1
     if most < 3:
         return
-    split = _by_block(model, blocks, most)
-    factors = np.concatenate([
-        np.repeat(base.fit.factors[: len(model.process)], most),
-        np.repeat(base.fit.factors[len(model.process) :], most),
-    ])  # fmt: skip
-    _, gradients, informations = split.evaluate(factors)[:3]
-    gradient, information = gradients.sum(0)[:-1], informations.sum(0)[:-1, :-1]
+    gradient, information = _scores_by_block(model, base.fit, blocks, most)
     groups = len(model.process)
     whole: Floats = np.kron(np.eye(model.count), np.ones((most, 1))).astype(np.float64)
     choices = most * (most + 1) // 2
@@ -254,6 +250,26 @@ def _blocks(model: ErrorModel) -> Integers:
     most = int(np.clip(lengths.max() // 5, 1, BLOCKS))
     parts = [np.arange(length) * most // max(length, 1) for length in lengths]
     return np.concatenate(parts)
+
+
+def _scores_by_block(
+    model: ErrorModel, fit: Fit, blocks: Integers, most: int
+) -> tuple[Floats, Floats]:
+    """Score and information of each factor in each part, over some tracks at a time: every part
+    needs process noises of its own."""
+    factors = np.repeat(fit.factors, most)
+    gradient, information = np.zeros(len(factors)), np.zeros((len(factors), len(factors)))
+    first = 0
+    while first < len(model.starts) - 1:
+        last = int(np.searchsorted(model.starts, model.starts[first] + CHUNK, "right")) - 1
+        last = max(last, first + 1)
+        rows = slice(int(model.starts[first]), int(model.starts[last]))
+        split = _by_block(model.tracks(first, last), blocks[rows], most)
+        _, gradients, informations = split.evaluate(factors)[:3]
+        gradient += gradients.sum(0)[:-1]
+        information += informations.sum(0)[:-1, :-1]
+        first = last
+    return gradient, information
 
 
 def _by_block(model: ErrorModel, blocks: Integers, most: int) -> ErrorModel:
@@ -308,14 +324,13 @@ def _change(
         changed = replace(model, types=types, measurement=(*model.measurement, "changed"))
         place = model.count
     start = np.insert(base.fit.factors, place, base.fit.factors[kind[0]])
-    found = maximise(changed, start)
+    found = maximise(changed, start, tolerance=NEAR)
     ones = np.ones(changed.count)
     fixed = [i for i in range(changed.count) if i != place]
-    alone = maximise(changed, ones, fixed)
-    factors = np.delete(found.factors, place)
+    alone = maximise(changed, ones, fixed, NEAR)
     part = f"{100 * window[0] // most} to {100 * window[1] // most} % of the track"
     if process:
-        ratio = found.factors[place] / max(factors[0], 1e-9)
+        ratio = found.factors[place] / max(found.factors[0], 1e-9)
         more = "more" if ratio > 1 else "less"
         detail = f"the target moves {more} than elsewhere at {part}"
         reason = "manoeuvre"
@@ -323,7 +338,7 @@ def _change(
         name = model.measurement[kind[0] - groups]
         detail = f"the noise of {name} differs at {part}"
         reason = "changing noise"
-    return base.fault(reason, detail, alone.value, found.value, 1, choices, factors)
+    return base.fault(reason, detail, alone.value, found.value, 1, choices)
 
 
 # Correlated measurement noise ------------------------------------------------------------------
@@ -337,42 +352,56 @@ def _correlations(base: Baseline) -> Iterator[Fault]:
             continue
         place = len(model.process)
         start = np.insert(base.fit.factors, place, base.fit.factors[place + kind])
-        models = [_correlated(model, kind, rho) for rho in CORRELATIONS]
-        claims = [larger.likelihood(np.ones(larger.count)) for larger in models]
-        fits = [larger.likelihood(start) for larger in models]
-        tried = {int(np.argmax(claims)), int(np.argmax(fits))}
-        found, rho = max(
-            ((maximise(models[i], start), CORRELATIONS[i]) for i in tried),
-            key=lambda pair: pair[0].value,
-        )
-        claimed = max(claims)
-        factors = np.delete(found.factors, len(model.process) + 1 + kind)
-        detail = (
-            f"the noise of {name} is correlated with that of its measurement before (about {rho})"
-        )
-        own = factors[len(model.process)]
-        factors = np.delete(factors, len(model.process))
-        factors = np.insert(factors, len(model.process) + kind, own)
+        larger, added = _with_noise_states(model, kind)
+        claims, fits = np.empty(len(CORRELATIONS)), np.empty(len(CORRELATIONS))
+        for i, rho in enumerate(CORRELATIONS):
+            tried = _correlated(larger, kind, added, rho)
+            claims[i] = tried.likelihood(np.ones(larger.count))
+            fits[i] = tried.likelihood(start)
+        best, found = _best_correlation(larger, kind, added, start, claims, fits)
+        detail = f"the noise of {name} is correlated from update to update (about {best})"
         yield base.fault(
-            "correlated noise", detail, claimed, found.value, 1,
-            3.0 * len(model.measurement), factors,
+            "correlated noise", detail, float(claims.max()), found.value, 1,
+            3.0 * len(model.measurement),
         )  # fmt: skip
 
 
-def _correlated(model: ErrorModel, kind: int, rho: float) -> ErrorModel:
-    """The model in which the noise of one type is a state; its factor is that of the last group of
-    process noise."""
+def _best_correlation(
+    larger: ErrorModel, kind: int, added: int, start: Floats, claims: Floats, fits: Floats
+) -> tuple[float, Fit]:
+    """The correlation of the largest likelihood with free factors, among the two most promising."""
+    best: tuple[float, Fit] | None = None
+    for i in {int(np.argmax(claims)), int(np.argmax(fits))}:
+        rho = CORRELATIONS[i]
+        found = maximise(_correlated(larger, kind, added, rho), start, tolerance=NEAR)
+        if best is None or found.value > best[1].value:
+            best = rho, found
+    assert best is not None
+    return best
+
+
+def _with_noise_states(model: ErrorModel, kind: int) -> tuple[ErrorModel, int]:
+    """The model in which the noise of one type is a set of states, and how many these are; its
+    factor is that of the last group of process noise."""
     rows = model.types == kind
     used = np.flatnonzero((~np.isnan(model.innovations[rows])).any(axis=0))
     e = len(used)
-    R = model.R.copy()
+    own = model.R[rows][:, used[:, None], used]
+    there = own.diagonal(axis1=1, axis2=2) > 0
+    roots = np.linalg.cholesky(np.where(there[:, :, None] & there[:, None, :], own, np.eye(e)))
     H = np.zeros((*model.H.shape[:2], e))
-    for k in np.flatnonzero(rows):
-        there = used[R[k][used, used] > 0]
-        block = np.ix_(there, there)
-        H[k][there, : len(there)] = np.linalg.cholesky(R[k][block])
-        R[k][block] *= 1e-4
-    F = np.where(rows[:, None, None], rho * np.eye(e), np.eye(e))
-    Q = np.where(rows[:, None, None], (1 - rho**2) * np.eye(e), 0.0)
+    H[np.ix_(np.flatnonzero(rows), used, np.arange(e))] = np.where(there[:, :, None], roots, 0.0)
+    R = np.where(rows[:, None, None], MEASURED_AS_STATE * model.R, model.R)
     start = np.eye(e) / model.initial_factor
-    return replace(_augmented(model, H, F, Q, start), R=R)
+    return replace(_augmented(model, H, np.eye(e), np.eye(e), start), R=R), e
+
+
+def _correlated(larger: ErrorModel, kind: int, added: int, rho: float) -> ErrorModel:
+    """The model whose last ``added`` states, the noise of one type, keep the correlation ``rho``
+    from one measurement of this type to the next."""
+    n = larger.H.shape[2] - added
+    rows = (larger.types == kind)[:, None, None]
+    F, Q = larger.F.copy(), larger.Q.copy()
+    F[:, n:, n:] = np.where(rows, rho * np.eye(added), np.eye(added))
+    Q[:, -1, n:, n:] = np.where(rows, (1 - rho**2) * np.eye(added), 0.0)
+    return replace(larger, F=F, Q=Q)

@@ -18,6 +18,8 @@ from trackmetrics import _backend
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+NEAR = 1e-3
+"""Rise of the log-likelihood that may be left where it is only compared."""
 SMALLEST, LARGEST = 1e-5, 1e6
 """Range in which factors are sought; a process factor may also be 0."""
 
@@ -96,15 +98,15 @@ class ErrorModel:
         innovations[mask] = np.nan
         return replace(self, innovations=innovations)
 
-    def track(self, index: int) -> "ErrorModel":
-        """One track alone."""
-        rows = slice(int(self.starts[index]), int(self.starts[index + 1]))
+    def tracks(self, first: int, stop: int) -> "ErrorModel":
+        """Some consecutive tracks alone."""
+        rows = slice(int(self.starts[first]), int(self.starts[stop]))
         cut: dict[str, Any] = {
             name: np.ascontiguousarray(getattr(self, name)[rows])
             for name in ("innovations", "H", "R", "types", "F", "Q", "corrections", "periods")
         }
-        initial = np.ascontiguousarray(self.initial[index : index + 1])
-        starts = np.array([0, rows.stop - rows.start], np.int64)
+        initial = np.ascontiguousarray(self.initial[first:stop])
+        starts = self.starts[first : stop + 1] - rows.start
         return replace(self, **cut, initial=initial, starts=starts)
 
 
@@ -236,7 +238,7 @@ class Profile:
         if self.model.count == 1:
             found = Fit(start, self.model.likelihood(start), near.information)
         else:
-            found = maximise(self.model, start, [self.index])
+            found = maximise(self.model, start, [self.index], NEAR)
         self._known.append(found)
         return max(0.0, 2 * (self.fit.value - found.value) / self.ratio)
 
@@ -255,17 +257,28 @@ class Profile:
         return self._end(level, -1), self._end(level, 1)
 
     def _end(self, level: float, side: int) -> float:
-        alpha = 1 - level
-        limit = LARGEST if side > 0 else SMALLEST
-        inside, step = max(float(self.fit.factors[self.index]), SMALLEST), 1.3
+        """Where the root of the statistic, nearly a line in the logarithm of the factor, is that of
+        the level: by secants, and by halving where a secant would leave the bracket."""
+        wanted = normal_quantile((1 + level) / 2)
+        inside, root = _log(float(self.fit.factors[self.index])), 0.0
+        limit = log(LARGEST if side > 0 else SMALLEST)
+        step = self._first_step(wanted)
         while True:
             if inside == limit:
-                return self._limit(alpha, side)
-            value = inside * step**side
-            value = min(value, limit) if side > 0 else max(value, limit)
-            if self.p_value(value) < alpha:
-                return self._bisected(inside, value, alpha)
-            inside, step = value, step**1.6
+                return self._limit(1 - level, side)
+            beyond = side * min(side * (inside + side * step), side * limit)
+            reached = self.statistic(exp(beyond)) ** 0.5
+            if reached >= wanted:
+                return exp(self._between((inside, root), (beyond, reached), wanted))
+            rise = max((reached - root) / abs(beyond - inside), 1e-3)
+            step = min(max(1.2 * (wanted - reached) / rise, 0.1), 2 * step + 1)
+            inside, root = beyond, reached
+
+    def _first_step(self, wanted: float) -> float:
+        """The distance of the end in the logarithm, from the information at the maximum."""
+        variance = partial_variance(self.fit.information, self.index)
+        deviation = float(variance) ** 0.5 / max(float(self.fit.factors[self.index]), SMALLEST)
+        return float(min(max(wanted * deviation, 0.01), 2.0))
 
     def _limit(self, alpha: float, side: int) -> float:
         """The end where no factor within the range is refused."""
@@ -274,20 +287,42 @@ class Profile:
         process = self.index < len(self.model.process)
         return SMALLEST if process and self.p_value(0.0) < alpha else 0.0
 
-    def _bisected(self, inside: float, beyond: float, alpha: float) -> float:
-        """The end of the interval, within 0.5 %."""
-        low, high = log(inside), log(beyond)
-        while abs(high - low) > 0.005:
-            middle = (low + high) / 2
-            if self.p_value(exp(middle)) < alpha:
-                high = middle
+    def _between(
+        self, inside: tuple[float, float], beyond: tuple[float, float], wanted: float
+    ) -> float:
+        """Where the root of the statistic is as wanted, within 0.002 of a standard deviation."""
+        for attempt in range(40):
+            (a, low), (b, high) = inside, beyond
+            share = (wanted - low) / (high - low) if high > low and attempt % 4 < 3 else 0.5
+            middle = a + min(max(share, 0.02), 0.98) * (b - a)
+            reached = self.statistic(exp(middle)) ** 0.5
+            if abs(reached - wanted) < 0.002 or abs(b - a) < 1e-4:
+                return middle
+            if reached < wanted:
+                inside = middle, reached
             else:
-                low = middle
-        return exp((low + high) / 2)
+                beyond = middle, reached
+        return middle
 
 
 def _log(value: float) -> float:
     return log(max(value, SMALLEST))
+
+
+def partial_variance(information: Floats, index: int) -> float:
+    """Variance of one factor's estimate, the others being estimated as well."""
+    if information[index, index] < 1e-200:
+        return inf
+    d = np.sqrt(np.maximum(information.diagonal(), 1e-300))
+    scaled = information / np.outer(d, d) + 1e-10 * np.eye(len(d))
+    return float(np.linalg.inv(scaled)[index, index] / d[index] ** 2)
+
+
+def normal_quantile(probability: float) -> float:
+    """Quantile of the standard normal distribution."""
+    from scipy import special
+
+    return float(special.ndtri(probability))
 
 
 def chi_square_tail(statistic: float, dof: int) -> float:

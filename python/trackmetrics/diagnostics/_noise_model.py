@@ -11,6 +11,7 @@ from trackmetrics.diagnostics._noise_fit import ErrorModel, Floats, Integers
 from trackmetrics.logs.columns import Columns
 from trackmetrics.logs.derived import component_periods, wrapped
 from trackmetrics.logs.log import EstimatorLog
+from trackmetrics.logs.validation import completed
 
 NOT_A_COVARIANCE = 1e-6
 """Relative size of a negative eigenvalue above which a derived noise is no covariance."""
@@ -208,18 +209,35 @@ def _covariances(columns: Columns, H: Floats) -> tuple[Floats, Floats]:
     shape = (len(columns), H.shape[2], H.shape[2])
     P_pred = np.full(shape, np.nan) if columns.P_pred is None else columns.P_pred.copy()
     P = np.full(shape, np.nan) if columns.P is None else columns.P.copy()
-    there = _there(columns, H)
-    for k in range(len(columns)):
-        h = H[k][there[k]]
-        if np.isnan(P_pred[k]).any() and columns.R is not None and not np.isnan(P[k]).any():
-            R = columns.R[k][np.ix_(there[k], there[k])]
-            if not np.isnan(R).any():
-                information = np.linalg.inv(P[k]) - h.T @ np.linalg.solve(R, h)
-                P_pred[k] = np.linalg.inv(information)
-        if np.isnan(P[k]).any() and columns.S is not None:
-            S = columns.S[k][np.ix_(there[k], there[k])]
-            P[k] = P_pred[k] - P_pred[k] @ h.T @ np.linalg.solve(S, h @ P_pred[k])
+    there, h = _seen(columns, H)
+    if columns.R is not None:
+        noise = _complete_or_absent(columns.R, there)
+        k = np.flatnonzero(~_complete(P_pred) & _complete(P) & noise)
+        gained = _transposed(h[k]) @ np.linalg.solve(completed(columns.R[k], there[k]), h[k])
+        P_pred[k] = np.linalg.inv(np.linalg.inv(P[k]) - gained)
+    if columns.S is not None:
+        known = _complete_or_absent(columns.S, there)
+        k = np.flatnonzero(_complete(P_pred) & ~_complete(P) & known)
+        shared = h[k] @ P_pred[k]
+        gain = np.linalg.solve(completed(columns.S[k], there[k]), shared)
+        P[k] = P_pred[k] - _transposed(shared) @ gain
     return P_pred, P
+
+
+def _seen(columns: Columns, H: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Which components there are, and H with zeros in the rows of the others."""
+    there = _there(columns, H)
+    return there, np.where(there[:, :, None], H, 0.0)
+
+
+def _transposed(matrices: Floats) -> Floats:
+    return matrices.swapaxes(1, 2)
+
+
+def _complete_or_absent(matrices: Floats, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which rows have every element of the components that are there."""
+    needed = there[:, :, None] & there[:, None, :]
+    return np.asarray(~(np.isnan(matrices) & needed).any(axis=(1, 2)))
 
 
 def _measurement_noises(columns: Columns, H: Floats, P_pred: Floats) -> Floats:
@@ -242,16 +260,14 @@ def _transitions(
         return _given_transitions(log, model.F, P_pred.shape[1])
     if columns.A is None:
         raise NotEnoughError("the log has no A: give model=LinearModel(F=...)")
-    there = _there(columns, H)
+    there, h = _seen(columns, H)
     F = np.full(P_pred.shape, np.nan)
-    for k in range(len(columns)):
-        if not there[k].any() and not np.isnan(P[k]).any():
-            F[k] = P_pred[k] @ np.linalg.solve(P[k], columns.A[k])
-            continue
-        h, r = H[k][there[k]], R[k][np.ix_(there[k], there[k])]
-        if not np.isnan(r).any():
-            # (I - K H)^-1 = I + P_pred H' R^-1 H.
-            F[k] = columns.A[k] + P_pred[k] @ h.T @ np.linalg.solve(r, h @ columns.A[k])
+    k = np.flatnonzero(there.any(axis=1) & _complete_or_absent(R, there))
+    # (I - K H)^-1 = I + P_pred H' R^-1 H.
+    seen = np.linalg.solve(completed(R[k], there[k]), h[k] @ columns.A[k])
+    F[k] = columns.A[k] + P_pred[k] @ _transposed(h[k]) @ seen
+    k = np.flatnonzero(~there.any(axis=1) & _complete(P) & _complete(P_pred))
+    F[k] = P_pred[k] @ np.linalg.solve(P[k], columns.A[k])
     return F
 
 
@@ -295,15 +311,13 @@ def _process_noises(
 def _corrections(log: EstimatorLog, H: Floats, P_pred: Floats) -> Floats:
     """Updated minus predicted state; where not logged, gain times innovation."""
     columns = log.columns
-    there = _there(columns, H)
     corrections = np.full(P_pred.shape[:2], np.nan)
-    for k in range(len(columns)):
-        if columns.S is None or np.isnan(P_pred[k]).any():
-            continue
-        h, S = H[k][there[k]], columns.S[k][np.ix_(there[k], there[k])]
-        assert columns.innovation is not None
-        nu = columns.innovation[k][there[k]]
-        corrections[k] = P_pred[k] @ h.T @ np.linalg.solve(S, nu)
+    if columns.S is not None and columns.innovation is not None:
+        there, h = _seen(columns, H)
+        k = np.flatnonzero(_complete(P_pred) & _complete_or_absent(columns.S, there))
+        nu = np.where(there[k], columns.innovation[k], 0.0)[..., None]
+        whitened = np.linalg.solve(completed(columns.S[k], there[k]), nu)
+        corrections[k] = (P_pred[k] @ _transposed(h[k]) @ whitened)[..., 0]
     if columns.x is not None and columns.x_pred is not None:
         moved = columns.x - columns.x_pred
         if len(log.states):
