@@ -18,6 +18,7 @@ from trackmetrics.diagnostics.records import (
     Whiteness,
 )
 from trackmetrics.diagnostics.results import Diagnosis, TrackDiagnosis
+from trackmetrics.diagnostics.whatif import WhatIf, whatif
 from trackmetrics.logs.header import State
 from trackmetrics.logs.log import EstimatorLog
 from trackmetrics.logs.read import read_log
@@ -38,8 +39,10 @@ __all__ = [
     "State",
     "StateDiagnosis",
     "TrackDiagnosis",
+    "WhatIf",
     "Whiteness",
     "diagnose",
     "estimate_noise",
     "read_log",
+    "whatif",
 ]
