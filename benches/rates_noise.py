@@ -11,18 +11,22 @@ import argparse
 import json
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy import stats
 
+import noise_ekf
 import noise_plants as plants
 from noise_plants import Case
+from trackmetrics import vessel
 from trackmetrics.diagnostics import NoiseEstimate, estimate_noise
 from trackmetrics.diagnostics._noise_fit import chi_square_tail, maximise
 from trackmetrics.diagnostics._noise_model import log_model
 from trackmetrics.diagnostics.noise import _factors
+from trackmetrics.logs import EstimatorLog
 
 RESULTS = Path(__file__).parent / "results" / "rates_noise.json"
 
@@ -135,6 +139,51 @@ def causes(plant: str, updates: int, runs: int, seed: int) -> list[dict[str, Any
     return rows
 
 
+def nonlinear(runs: int, seed: int) -> list[dict[str, Any]]:
+    """Factors found for an extended Kalman filter of range and bearing, and for the vessel
+    estimator."""
+    rows = []
+    for q, r in ((1, 1), (10, 1), (0.1, 1), (1, 4), (1, 0.25)):
+        for name, updates, make in (
+            ("range and bearing", 300, noise_ekf.simulate),
+            ("vessel", 300, _vessel),
+        ):
+            found = [estimate_noise(make(q, r, updates, seed + run)) for run in range(runs)]
+            named = [e._named() for e in found]
+            true = {n: q if n.startswith("process") else r for n in named[0]}
+            rows.append(show({
+                "plant": name, "q": q, "r": r, "updates": updates, "runs": runs,
+                "median": {n: float(np.nanmedian([e[n].factor for e in named])) for n in true},
+                "within 1.5": {
+                    n: percent(sum(2 / 3 < e[n].factor / true[n] < 1.5 for e in named), runs)
+                    for n in true
+                },
+                "covered": {
+                    n: percent(
+                        sum(e[n].interval[0] <= true[n] <= e[n].interval[1] for e in named), runs
+                    )
+                    for n in true
+                },
+                "reasons": dict(Counter(str(e.reason) for e in found).most_common()),
+            }))  # fmt: skip
+    return rows
+
+
+def _vessel(q: float, r: float, updates: int, seed: int) -> EstimatorLog:
+    """A fleet whose filter claims noises that are too small by these factors."""
+    true, root = vessel.Settings(), r**0.5
+    claimed = replace(
+        true,
+        acceleration_density=true.acceleration_density / q,
+        turn_density=true.turn_density / q,
+        ais=vessel.Noise(10 / root, 0.3 / root, 1.5 / root),
+        truncated_ais=vessel.Noise(30 / root),
+        position=vessel.Noise(60 / root),
+    )
+    made = vessel.fleet(2, duration=20.0 * updates, interval=40.0, settings=true, seed=seed)
+    return replace(made, settings=dict.fromkeys(made.ships, claimed)).track()
+
+
 def _side(case: Case) -> str:
     if case.q != 1:
         return "process"
@@ -159,7 +208,7 @@ def main() -> None:
     """Measures, prints, saves."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=1000)
-    parser.add_argument("--parts", default="coverage,uniformity,causes")
+    parser.add_argument("--parts", default="coverage,uniformity,causes,nonlinear")
     parser.add_argument("--plants", default=",".join(plants.PLANTS))
     parser.add_argument("--updates", default="50,100,300")
     parser.add_argument("--seed", type=int, default=2026)
@@ -178,6 +227,8 @@ def main() -> None:
             for updates in map(int, options.updates.split(","))
             for row in causes(plant, updates, options.runs, options.seed)
         ]
+    if "nonlinear" in parts:
+        results["nonlinear"] = nonlinear(max(options.runs // 5, 2), options.seed)
     if options.save:
         RESULTS.write_text(json.dumps(results, indent=1) + "\n")
 
