@@ -137,6 +137,13 @@ def _active(columns: Columns) -> NDArray[np.bool_]:
     return active
 
 
+def _rejected(columns: Columns) -> NDArray[np.bool_]:
+    """Rows whose measurement the filter did not use: they leave its state as predicted."""
+    if columns.status is None:
+        return np.zeros(len(columns), bool)
+    return np.asarray(columns.status == "rejected", np.bool_)
+
+
 def _types(columns: Columns, measurement: str) -> tuple[Integers, tuple[str, ...]]:
     if measurement not in ("by_type", "all"):
         raise ValueError(f"measurement must be 'by_type' or 'all', got {measurement!r}")
@@ -217,6 +224,7 @@ def _covariances(columns: Columns, H: Floats) -> tuple[Floats, Floats]:
         P_pred[k] = np.linalg.inv(np.linalg.inv(P[k]) - gained)
     if columns.S is not None:
         known = _complete_or_absent(columns.S, there)
+        P = np.where((_rejected(columns) & ~_complete(P))[:, None, None], P_pred, P)
         k = np.flatnonzero(_complete(P_pred) & ~_complete(P) & known)
         shared = h[k] @ P_pred[k]
         gain = np.linalg.solve(completed(columns.S[k], there[k]), shared)
@@ -262,10 +270,11 @@ def _transitions(
         raise NotEnoughError("the log has no A: give model=LinearModel(F=...)")
     there, h = _seen(columns, H)
     F = np.full(P_pred.shape, np.nan)
-    k = np.flatnonzero(there.any(axis=1) & _complete_or_absent(R, there))
+    k = np.flatnonzero(there.any(axis=1) & _complete_or_absent(R, there) & ~_rejected(columns))
     # (I - K H)^-1 = I + P_pred H' R^-1 H.
     seen = np.linalg.solve(completed(R[k], there[k]), h[k] @ columns.A[k])
     F[k] = columns.A[k] + P_pred[k] @ _transposed(h[k]) @ seen
+    F[_rejected(columns)] = columns.A[_rejected(columns)]
     k = np.flatnonzero(~there.any(axis=1) & _complete(P) & _complete(P_pred))
     F[k] = P_pred[k] @ np.linalg.solve(P[k], columns.A[k])
     return F
@@ -318,6 +327,7 @@ def _corrections(log: EstimatorLog, H: Floats, P_pred: Floats) -> Floats:
         nu = np.where(there[k], columns.innovation[k], 0.0)[..., None]
         whitened = np.linalg.solve(completed(columns.S[k], there[k]), nu)
         corrections[k] = (P_pred[k] @ _transposed(h[k]) @ whitened)[..., 0]
+        corrections[_rejected(columns)] = 0.0
     if columns.x is not None and columns.x_pred is not None:
         moved = columns.x - columns.x_pred
         if len(log.states):

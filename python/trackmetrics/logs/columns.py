@@ -39,7 +39,7 @@ class Columns:
     row: Integers
     """Where the update stood in what was read, for messages."""
     status: Words | None = None
-    """``"tentative"`` or ``"active"``."""
+    """``"tentative"``, ``"active"``, or ``"rejected"``: tested, but not used by the filter."""
     measurement_type: Words | None = None
     """Name of the kind of measurement."""
     observed: Integers | None = None

@@ -70,8 +70,10 @@ def _check_status(columns: Columns) -> None:
     if columns.status is None:
         return
     for row, status in enumerate(columns.status):
-        if status not in (None, "tentative", "active"):
-            raise ValueError(f"status[{row}] must be 'tentative' or 'active', got {status!r}")
+        if status not in (None, "tentative", "active", "rejected"):
+            raise ValueError(
+                f"status[{row}] must be 'tentative', 'active' or 'rejected', got {status!r}"
+            )
 
 
 def _check_something_there(columns: Columns) -> None:
