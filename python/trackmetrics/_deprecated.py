@@ -14,6 +14,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 RENAMED: dict[str, str] = {
     "trackmetrics.diagnostics.EstimatorLog": "trackmetrics.logs.EstimatorLog",
+    "trackmetrics.diagnostics.Whiteness": "trackmetrics.diagnostics.InnovationCorrelation",
     "trackmetrics.diagnostics.State": "trackmetrics.logs.State",
     "trackmetrics.diagnostics.read_log": "trackmetrics.logs.read_log",
     "trackmetrics.io.Boxes": "trackmetrics.tracks.Boxes",

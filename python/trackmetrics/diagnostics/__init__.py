@@ -3,21 +3,22 @@
 from trackmetrics import _deprecated
 from trackmetrics.diagnostics.diagnose import diagnose
 from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
-from trackmetrics.diagnostics.records import (
+from trackmetrics.diagnostics.results import (
     VERDICTS,
     Bias,
+    InnovationCorrelation,
     Outlier,
     QuantityVerdict,
     Segment,
     StateDiagnosis,
-    Whiteness,
 )
-from trackmetrics.diagnostics.results import Diagnosis, TrackDiagnosis
+from trackmetrics.diagnostics.track import Diagnosis, TrackDiagnosis
 
 __all__ = [
     "VERDICTS",
     "Bias",
     "Diagnosis",
+    "InnovationCorrelation",
     "LiveMonitor",
     "LiveStatus",
     "Outlier",
@@ -25,7 +26,6 @@ __all__ = [
     "Segment",
     "StateDiagnosis",
     "TrackDiagnosis",
-    "Whiteness",
     "diagnose",
 ]
 
