@@ -37,7 +37,7 @@ def _since(track: TrackDiagnosis) -> str:
     quantity = track.nis if track.nis.onset_time is not None else track.nees or track.nis
     if quantity.onset_time is not None:
         return track.timeline.at(quantity.onset_time)
-    settled = track.nis.settle_time
+    settled = track.nis.settling_time
     return "-" if settled is None else f"to {track.timeline.at(settled)}"
 
 

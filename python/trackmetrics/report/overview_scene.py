@@ -21,7 +21,7 @@ from trackmetrics.report.scene import (
     Text,
     floats,
 )
-from trackmetrics.report.theme import glyph, verdict_role, words
+from trackmetrics.report.theme import glyph, segment_role, verdict_role, words
 from trackmetrics.report.track_view import Subject
 
 LANE = 24.0
@@ -89,7 +89,9 @@ def _stretches(subject: Subject, verdict: QuantityVerdict, low: float, high: flo
         left = floats([subject.clock.at(segment.start_time) - pad])
         right = floats([subject.clock.at(segment.stop_time) + pad])
         name = f"{verdict.quantity.upper()} scale {segment.scale:.3g}"
-        box = Boxes(left, right, floats([low]), floats([high]), f"{segment.label}/0.75", name)
+        box = Boxes(
+            left, right, floats([low]), floats([high]), f"{segment_role(segment.label)}/0.75", name
+        )
         marks.append(box)
     return marks
 

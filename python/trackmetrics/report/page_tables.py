@@ -7,6 +7,7 @@ import numpy as np
 
 from trackmetrics.diagnostics import QuantityVerdict
 from trackmetrics.report.draw_plotly import numbers
+from trackmetrics.report.theme import segment_role
 from trackmetrics.report.track_view import Subject
 
 
@@ -41,7 +42,7 @@ def lanes(subject: Subject) -> list[Stretch]:
             )
             scale = f"{verdict.quantity.upper()} scale {segment.scale:.3g}, {segment.label}"
             wide = max(right - left, 1.2)
-            stretches.append(Stretch(left, wide, 11 * row, segment.label, scale))
+            stretches.append(Stretch(left, wide, 11 * row, segment_role(segment.label), scale))
     return stretches
 
 
@@ -55,7 +56,7 @@ def moments(subject: Subject) -> tuple[float, list[str]]:
 
 def _moments(subject: Subject, verdict: QuantityVerdict) -> list[tuple[float, str]]:
     name = verdict.quantity.upper()
-    times = (("from", verdict.onset_time), ("settled", verdict.settle_time))
+    times = (("from", verdict.onset_time), ("settled", verdict.settling_time))
     at = [(word, subject.clock.at(time)) for word, time in times if time is not None]
     return [(minute, f"{name} {word} {minute:.4g} min") for word, minute in at]
 
@@ -76,7 +77,7 @@ def _segments(subject: Subject) -> Table:
             f"{s.scale:.3g}",
             f"{s.interval[0]:.3g} to {s.interval[1]:.3g}",
             f"{s.p_value:.2g}",
-            {"high": "too large", "low": "too small"}.get(s.label, "as promised"),
+            {"optimistic": "too large", "pessimistic": "too small"}.get(s.label, "as promised"),
         )
         for verdict in subject.quantities()
         for s in verdict.segments
@@ -92,13 +93,13 @@ def _states(subject: Subject) -> Table:
         (
             f"{s.state} ({s.unit})" if s.unit else s.state,
             ", ".join(s.observed_by) or "never directly",
-            "–" if s.support is None else str(s.support),
+            "–" if s.num_direct_updates is None else str(s.num_direct_updates),
             _number(s.longest_gap / minute),
             _number(s.reference_std),
             _number(s.peak_growth),
             _number(s.information_gain),
-            _number(s.share),
-            _number(s.marginal),
+            _number(s.nees_share),
+            _number(s.marginal_nees),
         )
         for s in subject.track.states
     )

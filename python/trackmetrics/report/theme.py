@@ -120,6 +120,14 @@ _FAMILIES = {
     "consistent": "consistent",
     "insufficient": "unknown",
 }
+_SEGMENT_ROLES = {"optimistic": "high", "pessimistic": "low"}
+
+
+def segment_role(label: str) -> str:
+    """The colour of a segment."""
+    return _SEGMENT_ROLES.get(label, "consistent")
+
+
 _GLYPHS = {"high": "▲", "warning": "◆", "low": "▼", "consistent": "●", "unknown": "○"}
 
 

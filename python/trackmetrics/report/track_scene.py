@@ -30,7 +30,7 @@ from trackmetrics.report.scene import (
     floats,
 )
 from trackmetrics.report.state_panels import state_block
-from trackmetrics.report.theme import glyph, words
+from trackmetrics.report.theme import glyph, segment_role, words
 from trackmetrics.report.track_view import Subject
 
 HONEST = 0.95
@@ -132,14 +132,13 @@ def _segments(subject: Subject, verdict: QuantityVerdict) -> list[Mark]:
         left = subject.clock.at(segment.start_time) - pad
         right = subject.clock.at(segment.stop_time) + pad
         low, high = segment.interval
+        role = segment_role(segment.label)
         name = f"scale {segment.scale:.3g} [{low:.3g}, {high:.3g}], {segment.label}"
         sides, mean = floats([left, right]), floats([segment.scale] * 2)
-        box = Boxes(
-            floats([left]), floats([right]), floats([low]), floats([high]), f"{segment.label}/0.2"
-        )
-        marks += [box, Line(sides, mean, segment.label, 2.4, name=name)]
+        box = Boxes(floats([left]), floats([right]), floats([low]), floats([high]), f"{role}/0.2")
+        marks += [box, Line(sides, mean, role, 2.4, name=name)]
         factor = f"{float(f'{segment.scale:.2g}'):g}×"
-        marks.append(Text(right, high, factor, segment.label, "right", above=True, bold=True))
+        marks.append(Text(right, high, factor, role, "right", above=True, bold=True))
     return marks
 
 
@@ -169,7 +168,7 @@ def _events(subject: Subject, verdict: QuantityVerdict) -> list[Event]:
     """Onset, settling and alarm; names of those close together stand apart."""
     named = (
         ("onset", verdict.onset_time, "high"),
-        ("settled", verdict.settle_time, "consistent"),
+        ("settled", verdict.settling_time, "consistent"),
         ("alarm", verdict.alarm_time, "warning"),
     )
     at = sorted((subject.clock.at(t), name, role) for name, t, role in named if t is not None)
