@@ -11,7 +11,7 @@ WHEEL_INPUTS := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '
 PIP_INSTALL := -m pip install --quiet --disable-pip-version-check
 # What needs nothing but the runtime dependencies, run once with the oldest that are supported.
 MINIMUM := $(addprefix tests/test_, backend bottleneck_assignment cli_demo consistency_test \
-	labels linear_sum_assignment mot_metrics nees ospa processes rmse twins)
+	labels linear_sum_assignment mot_metrics nees ospa processes rmse reference)
 
 .PHONY: demo test test-rust test-python test-minimum lint format bench wheel develop clean
 

@@ -55,7 +55,7 @@ def test_every_trap_of_the_recording_is_met(solent):
 
 @pytest.fixture
 def native():
-    """The twin takes forty times as long over a recording, and gives the same numbers."""
+    """The reference takes forty times as long over a recording, and gives the same numbers."""
     with trackmetrics.use_backend("native"):
         yield
 
@@ -243,7 +243,7 @@ def test_the_demo_of_the_ships(tmp_path, capsys):
     page = tmp_path / "demo.html"
     assert main(["demo", "--html", str(page)]) == 0
     text = capsys.readouterr().out
-    assert text.startswith("three ships, 63 updates, honest noise, seed 1: simulated, tracked")
+    assert text.startswith("three ships, 63 updates, consistent noise, seed 1: simulated, tracked")
     assert "SS Northern Star0  late_divergence" in text
     assert "Look at this first: SS Northern Star0" in text
     assert page.stat().st_size < 10e6
@@ -258,7 +258,7 @@ def test_the_vessel_table_says_where_all_is_well(capsys):
 
     run = vessel.fleet(1, duration=3600.0, interval=60.0, seed=4)
     print_verdicts(diagnose(run.track()))
-    assert "Every filter is as honest as its updates can tell." in capsys.readouterr().out
+    assert "Every filter is as consistent as its updates can tell." in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

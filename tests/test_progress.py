@@ -40,7 +40,7 @@ def test_no_bar_for_what_is_soon_done(recording, monkeypatch):
     assert "reading" not in terminal.getvalue()
 
 
-def test_no_bar_where_nobody_watches(recording, monkeypatch, capsys):
+def test_no_bar_without_a_terminal(recording, monkeypatch, capsys):
     monkeypatch.setattr(_progress, "DELAY", 0.0)
     assert main(["vessel", str(recording)]) == 0
     assert capsys.readouterr().err == ""

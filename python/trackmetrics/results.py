@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics import _deprecated
+
 
 def to_json(value: Any) -> Any:
     """A value as JSON knows it: numbers, strings, lists and dictionaries.
@@ -55,9 +57,9 @@ class OSPAResult(NamedTuple):
     ospa: float
     """The distance."""
     localization: float
-    """The part owed to the distances of matched points."""
+    """The part due to the distances of matched points."""
     cardinality: float
-    """The part owed to the difference in cardinality."""
+    """The part due to the difference in cardinality."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,32 +107,34 @@ class MOTMetrics(NamedTuple):
 
 
 class ConsistencyResult(NamedTuple):
-    """Whether the mean of NEES or NIS values is what chance allows, and its limits."""
+    """Whether the mean of NEES or NIS values lies in its acceptance interval, and its limits."""
 
     is_consistent: bool
     """Whether the mean lies within the bounds, both included."""
     statistic: float
     """The mean of the values."""
     lower_bound: float
-    """The least mean that chance allows; below it, the filter is too pessimistic."""
+    """Lower bound of the acceptance interval; below it, the filter is pessimistic."""
     upper_bound: float
-    """The greatest mean that chance allows; above it, the filter is too optimistic."""
+    """Upper bound of the acceptance interval; above it, the filter is optimistic."""
     mean_value: float
     """The mean of the values, once more."""
 
 
 @dataclass(frozen=True, eq=False)
 class OSPA2Result(Result):
-    """OSPA(2) over time; ``ospa2 ** p == localization ** p + cardinality ** p`` at each time."""
+    """OSPA(2) over time; ``distance ** p == localization ** p + cardinality ** p`` at each time."""
 
     times: NDArray[np.float64]
     """When it was evaluated, shape (T,)."""
-    ospa2: NDArray[np.float64]
+    distance: NDArray[np.float64]
     """The distance, in the unit of the states; 0 is best, ``c`` is worst."""
     localization: NDArray[np.float64]
-    """The part owed to the distances of matched tracks."""
+    """The part due to the distances of matched tracks."""
     cardinality: NDArray[np.float64]
-    """The part owed to the difference in the number of tracks."""
+    """The part due to the difference in the number of tracks."""
+
+    ospa2 = _deprecated.attribute("distance")
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,13 +171,13 @@ class TrajectoryGOSPAResult(Result):
     times: NDArray[np.float64]
     """The times at which something exists, shape (T,)."""
     localization: NDArray[np.float64]
-    """Owed to the distances of states that are followed, shape (T,)."""
+    """Due to the distances of states that are followed, shape (T,)."""
     missed: NDArray[np.float64]
-    """Owed to states of the truth that nobody follows, shape (T,)."""
+    """Due to states of the truth that no track follows, shape (T,)."""
     false: NDArray[np.float64]
-    """Owed to states of tracks that follow nobody, shape (T,)."""
+    """Due to states of tracks that follow no truth, shape (T,)."""
     switching: NDArray[np.float64]
-    """Owed to changes from each time to the next, shape (T - 1,)."""
+    """Due to changes from each time to the next, shape (T - 1,)."""
 
     def totals(self) -> dict[str, float]:
         """The four parts, summed over time."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from trackmetrics import _backend
 from trackmetrics._covariances import valid_components
-from trackmetrics.consistency.correlation import correlation_times
+from trackmetrics.consistency.correlation_time import correlation_times
 from trackmetrics.diagnostics.segmentation import (
     best_partitions,
     select_edges,

@@ -18,7 +18,7 @@ import numpy as np
 
 from trackmetrics import _distributions
 from trackmetrics._covariances import fill_missing_with_identity, quadratic_forms, valid_components
-from trackmetrics.consistency.correlation import correlation_times
+from trackmetrics.consistency.correlation_time import correlation_times
 from trackmetrics.diagnostics.autocorrelation import transitions
 from trackmetrics.diagnostics.innovations import Innovations
 from trackmetrics.diagnostics.results import Bias

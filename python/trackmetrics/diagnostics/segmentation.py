@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from trackmetrics import _backend, _distributions
-from trackmetrics.consistency.correlation import correlation_times
+from trackmetrics.consistency.correlation_time import correlation_times
 from trackmetrics.diagnostics.cusum import Alarm, first_alarms
 from trackmetrics.diagnostics.end_tests import EndTests, end_tests
 from trackmetrics.diagnostics.outliers import (
