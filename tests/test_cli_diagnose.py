@@ -33,7 +33,7 @@ def test_the_table_has_a_line_and_a_paragraph_a_track(logs, capsys):
         "state",
     ]
     assert lines[1].split()[:4] == ["track", "late_divergence", "late_divergence", "-"]
-    assert lines[3].startswith("track: late divergence, honest at first")
+    assert lines[3].startswith("track: late divergence, consistent at first")
 
 
 def test_times_count_from_the_start_of_the_log(tmp_path, capsys):
