@@ -11,7 +11,6 @@ sequences of a log go through each step together, so that special functions meet
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -55,28 +54,30 @@ class SegmentedTrace:
     alarm: Alarm | None = None
     """The first alarm of a CUSUM, counted in all values of the trace."""
 
-    @cached_property
+    @property
     def pair(self) -> Pair:
         """Values and degrees of freedom of the inliers."""
         if not self.outliers.removed:
             return self.trace.pair
         return self.trace.values[self.inliers], self.trace.dof[self.inliers]
 
-    @cached_property
+    @property
     def lengths(self) -> list[int]:
         """How many inliers each segment has."""
         return [stop - start for start, stop in pairwise(self.edges)]
 
-    @cached_property
+    @property
     def rows(self) -> Integers:
         """The updates of the inliers."""
         return self.trace.rows[self.inliers] if self.outliers.removed else self.trace.rows
 
     def settled(self) -> int | None:
         """The longest segment that is not optimistic, else the longest; the first of equals."""
-        every = range(len(self.segments))
+        if len(self.segments) < 2:
+            return 0 if self.segments else None
+        every, lengths = range(len(self.segments)), self.lengths
         calm = [i for i in every if self.segments[i].label != "optimistic"] or every
-        return max(calm, key=self.lengths.__getitem__, default=None)
+        return max(calm, key=lengths.__getitem__)
 
     def settled_rows(self) -> Integers:
         """The updates of that segment without outliers; all without segments."""
@@ -93,11 +94,11 @@ class SegmentedTrace:
 
 def segment_traces(traces: Sequence[Trace], alpha: float) -> list[SegmentedTrace]:
     """Every trace with its segments; one that is insufficient has none."""
-    enough = [t for t in traces if t.is_sufficient]
-    found = iter(_segmented(enough, alpha))
+    enough = [t.is_sufficient for t in traces]
+    found = iter(_segmented([t for t, e in zip(traces, enough, strict=True) if e], alpha))
     return [
-        next(found) if t.is_sufficient else SegmentedTrace(t, np.arange(len(t.values)))
-        for t in traces
+        next(found) if e else SegmentedTrace(t, np.arange(len(t.values)))
+        for t, e in zip(traces, enough, strict=True)
     ]
 
 

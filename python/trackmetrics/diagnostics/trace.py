@@ -1,7 +1,6 @@
 """A sequence of chi-square values: the NIS of a track, or its NEES."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -43,13 +42,13 @@ class Trace:
     partitions: Partitions | None = None
     """Its best partitions, where they are known already."""
 
-    @cached_property
+    @property
     def is_sufficient(self) -> bool:
         """Whether there are enough values to judge."""
         n = len(self.values)
         return n >= MIN_UPDATES_TO_JUDGE and float(self.dof.sum()) >= MIN_DOF_TO_JUDGE
 
-    @cached_property
+    @property
     def pair(self) -> Pair:
         """Values and degrees of freedom."""
         return self.values, self.dof

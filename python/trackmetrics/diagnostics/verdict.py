@@ -96,7 +96,7 @@ class JudgedTrace:
 
 def judge(segmented: SegmentedTrace, alpha: float) -> JudgedTrace:
     """The verdict on a trace by its segments and the tests of its ends."""
-    if not segmented.trace.is_sufficient:
+    if not segmented.segments:
         return JudgedTrace(segmented, INSUFFICIENT, segmented, INSUFFICIENT)
     by_segments = _from_segments(segmented)
     by_ends, shown = _from_ends(segmented, by_segments, alpha)
