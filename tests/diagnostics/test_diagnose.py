@@ -160,11 +160,11 @@ def test_a_diagnosis_is_deterministic_and_the_same_on_both_backends():
     with use_backend("native"):
         first, again = diagnose(log).to_dict(), diagnose(log).to_dict()
     with use_backend("numpy"):
-        twin = diagnose(log).to_dict()
+        reference = diagnose(log).to_dict()
     assert json.dumps(first) == json.dumps(again)
     for name, track in first["tracks"].items():
-        assert track["verdict"] == twin["tracks"][name]["verdict"]
-        assert track["nis"]["onset_index"] == twin["tracks"][name]["nis"]["onset_index"]
+        assert track["verdict"] == reference["tracks"][name]["verdict"]
+        assert track["nis"]["onset_index"] == reference["tracks"][name]["nis"]["onset_index"]
 
 
 def test_a_diagnosis_is_a_mapping():

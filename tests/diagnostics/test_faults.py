@@ -106,11 +106,11 @@ def test_a_late_manoeuvre_is_late_and_in_the_velocities():
 def test_both_backends_say_the_same_of_full_rows():
     log = simulate(runs=5, updates=40, push=1.5)
     with use_backend("numpy"):
-        twin = diagnose(log)
+        reference = diagnose(log)
     for name, track in diagnose(log).items():
-        assert twin[name].verdict == track.verdict
-        assert twin[name].weakest_state == track.weakest_state
-        assert twin[name].states[1].nees_share == pytest.approx(
+        assert reference[name].verdict == track.verdict
+        assert reference[name].weakest_state == track.weakest_state
+        assert reference[name].states[1].nees_share == pytest.approx(
             track.states[1].nees_share, rel=1e-9
         )
 
@@ -159,9 +159,9 @@ def test_a_skewed_value_becomes_a_normal_one(skewness):
 
     from trackmetrics import _distributions
 
-    law = stats.pearson3(skewness)
+    distribution = stats.pearson3(skewness)
     for value in (-1.5, -0.3, 0.0, 0.8, 2.5, 6.0):
-        expected = stats.norm.isf(law.sf(value))
+        expected = stats.norm.isf(distribution.sf(value))
         found = _distributions.pearson3_to_z(value, skewness)
         assert found == pytest.approx(expected, abs=1e-7)
     assert _distributions.pearson3_to_z(1.7, 0.0) == 1.7
@@ -193,9 +193,9 @@ def test_the_correlation_is_the_weighted_sum_over_lags(alternating):
             if lag + other <= len(weights):
                 third += w * v * weights[lag + other - 1]
     size = np.sqrt(sum(w**2 for w in weights))
-    law = stats.pearson3(6 * third / size**3 / np.sqrt(2 * 40))
+    distribution = stats.pearson3(6 * third / size**3 / np.sqrt(2 * 40))
     found = innovation_correlation(innovations(x))
-    assert found.z == pytest.approx(stats.norm.isf(law.sf(total / size)), rel=1e-6)
+    assert found.z == pytest.approx(stats.norm.isf(distribution.sf(total / size)), rel=1e-6)
     assert (found.z < 0) == alternating
 
 

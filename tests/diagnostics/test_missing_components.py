@@ -170,7 +170,7 @@ def simulate(
 def test_a_well_tuned_filter_is_consistent(model):
     found = diagnose(simulate(200, model=model, seed=3))
     wrong = [t.verdict for t in found.values() if not t.consistent]
-    # At most 5 % in the long run: 10 of 200, and as much again by chance in one case of 400.
+    # At most 5 % in the long run: 10 of 200, and as much again in one case of 400.
     assert len(wrong) <= 19
     assert {t.nis.verdict for t in found.values()} >= {"consistent"}
 
@@ -260,11 +260,11 @@ def test_support_and_notes_count_what_is_there():
 def test_both_backends_say_the_same():
     log = simulate(4, updates=40, offset=(0.0, 60.0, 0.0), seed=11)
     with use_backend("numpy"):
-        twin = diagnose(log)
+        reference = diagnose(log)
     for name, track in diagnose(log).items():
-        assert twin[name].verdict == track.verdict
-        assert twin[name].nees.autocorrelation_time == pytest.approx(
+        assert reference[name].verdict == track.verdict
+        assert reference[name].nees.autocorrelation_time == pytest.approx(
             track.nees.autocorrelation_time, rel=1e-9
         )
-        for ours, theirs in zip(track.states, twin[name].states, strict=True):
+        for ours, theirs in zip(track.states, reference[name].states, strict=True):
             assert theirs.nees_share == pytest.approx(ours.nees_share, rel=1e-9, nan_ok=True)

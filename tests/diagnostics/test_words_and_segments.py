@@ -130,7 +130,7 @@ def test_a_track_without_a_consistent_segment_is_not_called_consistent_at_first(
     assert track.verdict == "late_divergence"
     assert "consistent" not in {s.label for s in track.nis.segments}
     assert "consistent" not in track.text
-    assert "optimistic at first" in track.text
+    assert "optimistic, then pessimistic, then optimistic until the end" in track.text
 
 
 def test_a_verdict_by_an_end_test_says_so_and_shows_the_end_as_a_segment():

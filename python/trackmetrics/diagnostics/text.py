@@ -1,6 +1,7 @@
 """The sentences of a diagnosis, with their numbers."""
 
 from collections.abc import Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -76,16 +77,14 @@ def _meaning(verdict: str, quantity: QuantityVerdict) -> str:
 
 
 def _late(labels: Sequence[str]) -> str:
-    """The part before the last optimistic segments decides what the track is at first."""
-    before = list(labels)
-    while len(before) > 1 and before[-1] == "optimistic":
-        before.pop()
-    if set(before) == {"optimistic"}:
+    """The labels of the segments in their order, each run of equal ones once."""
+    runs = [label for label, _ in groupby(labels)]
+    if runs == ["optimistic"]:
         return "optimistic from the start, and much more so until the end"
-    first = before[0] if before else "consistent"
-    if len(set(before)) > 1:
-        return f"{first} at first, optimistic at last and until the end"
-    return f"{first} at first, then optimistic until the end"
+    if len(runs) < 2:
+        return "optimistic until the end"
+    first = f"{runs[0]} at first" if len(runs) == 2 else runs[0]
+    return ", then ".join([first, *runs[1:]]) + " until the end"
 
 
 def outliers_first(outliers: tuple[Outlier, ...], timeline: Timeline) -> str:
