@@ -20,7 +20,7 @@ def to_json(value: Any) -> Any:
     NaN (undefined) becomes None, infinities become ``"inf"`` and ``"-inf"``.
     """
     if hasattr(value, "to_dict"):
-        return value.to_dict()
+        return to_json(value.to_dict())
     if isinstance(value, np.ndarray | np.generic):
         return to_json(value.tolist())
     if isinstance(value, float):
