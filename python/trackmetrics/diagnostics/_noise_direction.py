@@ -10,8 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from trackmetrics.diagnostics._noise_fit import chi_square_tail
-from trackmetrics.diagnostics.innovations import CAUSES, LEAST_PAIRS, Innovations, correlation
-from trackmetrics.logs.columns import Columns, components
+from trackmetrics.diagnostics.cause import CAUSES
+from trackmetrics.diagnostics.innovations import Innovations, innovations_at
+from trackmetrics.diagnostics.thresholds import MIN_PAIRS_FOR_CORRELATION
+from trackmetrics.diagnostics.whiteness import innovation_correlation
+from trackmetrics.logs.columns import Columns
 from trackmetrics.logs.log import EstimatorLog
 
 SIGNIFICANT = 0.01
@@ -31,18 +34,18 @@ def direction(log: EstimatorLog) -> Direction:
     squared, dof, score, count, updates = 0.0, 0.0, 0.0, 0, 0
     for track in log.tracks:
         own = _innovations(log[track])
-        if len(own) < LEAST_PAIRS:
+        if len(own) < MIN_PAIRS_FOR_CORRELATION:
             continue
-        total, size = own.scale
+        total, size = own.sums
         squared, dof, updates = squared + total, dof + size, updates + len(own)
-        found = correlation(own)
+        found = innovation_correlation(own)
         if np.isfinite(found.z) and found.p_value < 1:
             score, count = score + found.z, count + 1
     if not dof:
         return Direction(None, float("nan"), updates)
     upper = chi_square_tail(squared, int(dof))
     p_value = min(1.0, 2 * min(upper, 1 - upper))
-    label = "high" if upper < 0.5 else "low"
+    label = "optimistic" if upper < 0.5 else "pessimistic"
     z = score / max(count, 1) ** 0.5
     correlated = chi_square_tail(z * z, 1)
     cause = CAUSES.get((label, int(np.sign(z))))
@@ -53,9 +56,5 @@ def direction(log: EstimatorLog) -> Direction:
 def _innovations(columns: Columns) -> Innovations:
     assert columns.innovation is not None
     assert columns.S is not None
-    there = components(columns.innovation, columns.S)
-    rows = there.any(axis=1)
-    values = np.where(there, columns.innovation, np.nan)[rows]
-    kinds = columns.measurement_type
-    types = np.full(len(values), "", object) if kinds is None else kinds[rows]
-    return Innovations(values, columns.S[rows], types)
+    rows = np.arange(len(columns))
+    return innovations_at(rows, columns, columns.innovation, columns.S)
