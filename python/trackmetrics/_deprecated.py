@@ -61,11 +61,10 @@ def parameters(**renamed: str) -> Callable[[F], F]:
         def wrapper(*args: Any, **kwargs: Any) -> Any:
             for old, new in renamed.items():
                 if old in kwargs:
+                    name = function.__qualname__.removesuffix(".__init__")
                     if new in kwargs:
-                        raise TypeError(
-                            f"{function.__name__}() got both {new!r} and {old!r}, its old name"
-                        )
-                    warn(f"{function.__name__}({old}=)", f"{function.__name__}({new}=)")
+                        raise TypeError(f"{name}() got both {new!r} and {old!r}, its old name")
+                    warn(f"{name}({old}=)", f"{name}({new}=)")
                     kwargs[new] = kwargs.pop(old)
             return function(*args, **kwargs)
 
