@@ -61,7 +61,8 @@ def parameters(**renamed: str) -> Callable[[F], F]:
         def wrapper(*args: Any, **kwargs: Any) -> Any:
             for old, new in renamed.items():
                 if old in kwargs:
-                    name = function.__qualname__.removesuffix(".__init__")
+                    *owner, name = function.__qualname__.split(".")
+                    name = owner[-1] if name == "__init__" else name
                     if new in kwargs:
                         raise TypeError(f"{name}() got both {new!r} and {old!r}, its old name")
                     warn(f"{name}({old}=)", f"{name}({new}=)")
