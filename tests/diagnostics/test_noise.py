@@ -349,12 +349,13 @@ def test_wrong_arguments_are_named():
 @pytest.mark.parametrize("ending", ["jsonl", "csv", "parquet"])
 def test_observation_matrices_survive_a_file(tmp_path, ending):
     if ending == "parquet":
-        pytest.importorskip("pyarrow")
+        pytest.importorskip("polars")
     H = [[[1.0, 0.5], [0.0, -2.0]], None, [[0.25, 0.0]]]
     log = EstimatorLog.from_columns(
         states=["a", "b"],
         innovation=[[1.0, 2.0], [0.5], [0.1]],
         S=[np.eye(2), [[1.0]], [[2.0]]],
+        time=[0, 1, 2],
         H=H,
     )
     path = tmp_path / f"log.{ending}"

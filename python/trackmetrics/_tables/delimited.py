@@ -71,7 +71,21 @@ def _read_fast(
         return None  # the small reader names the row
     if len(frame.columns) != len(names):
         return None
+    if frame[names[-1]].null_count() and _has_short_rows(body, delimiter, len(names)):
+        return None  # likewise
     return {name: to_array(frame[name]) for name in names}
+
+
+def _has_short_rows(body: bytes, delimiter: str, cells: int) -> bool:
+    """Whether a row has fewer cells than there are headings."""
+    if b'"' in body:
+        rows = csv.reader(io.StringIO(body.decode()), delimiter=delimiter)
+        return any(row and len(row) != cells for row in rows)
+    bytes_ = np.frombuffer(body.rstrip(b"\r\n") + b"\n", np.uint8)
+    ends = np.flatnonzero(bytes_ == ord("\n"))
+    delimiters = np.searchsorted(np.flatnonzero(bytes_ == ord(delimiter)), ends)
+    is_blank = np.diff(ends, prepend=-1) <= 1 + (bytes_[ends - 1] == ord("\r"))
+    return bool((~is_blank & (np.diff(delimiters, prepend=0) != cells - 1)).any())
 
 
 def _read_small(
@@ -102,7 +116,7 @@ def _from_cells(cells: list[str | None], comma: bool) -> Any:
 
 def _numbers_in_quotes(file: str, name: str, column: Any, text: Collection[str]) -> Any:
     """Quoted numbers with a decimal comma; thousands separators are refused."""
-    if getattr(column, "dtype", None) != object or name in text:
+    if not isinstance(column, np.ndarray) or column.dtype.kind != "O" or name in text:
         return column
     cells = [c for c in column if c is not None]
     if not cells or not all(_DECIMAL_COMMA.fullmatch(c.strip()) or _is_number(c) for c in cells):
@@ -116,8 +130,8 @@ def _numbers_in_quotes(file: str, name: str, column: Any, text: Collection[str])
     if all(_GROUPED.fullmatch(c.strip()) for c in cells if "," in c):
         row = next(r for r, c in enumerate(column) if c is not None and "," in c)
         raise ValueError(
-            f"{file}, row {row}: {name} is {value(column[row])}: a thousands separator or a decimal "
-            "comma? Write a decimal point"
+            f"{file}, row {row}: {name} is {value(column[row])}: a thousands separator or a "
+            "decimal comma? Write a decimal point"
         )
     return np.array([np.nan if c is None else float(c.replace(",", ".")) for c in column])
 

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._angles import wrap
+from trackmetrics._covariances import fill_missing_with_identity
 from trackmetrics.diagnostics._noise_fit import ErrorModel, Floats, Integers
 from trackmetrics.logs.columns import Columns
-from trackmetrics.logs.derived import component_periods, wrapped
+from trackmetrics.logs.derived import component_periods
 from trackmetrics.logs.log import EstimatorLog
-from trackmetrics.logs.validation import completed
 
 NOT_A_COVARIANCE = 1e-6
 """Relative size of a negative eigenvalue above which a derived noise is no covariance."""
@@ -116,7 +117,7 @@ def _unwrapped(
         nu = columns.innovation[k][there[k]]
         gain = np.linalg.solve(S, h @ P_pred[k]).T
         used = np.abs(corrections[k] - gain @ nu).sum()
-        inside = np.abs(corrections[k] - gain @ wrapped(nu, periods[k][there[k]])).sum()
+        inside = np.abs(corrections[k] - gain @ wrap(nu, periods[k][there[k]])).sum()
         beyond[k] = used <= inside
     return beyond
 
@@ -220,14 +221,16 @@ def _covariances(columns: Columns, H: Floats) -> tuple[Floats, Floats]:
     if columns.R is not None:
         noise = _complete_or_absent(columns.R, there)
         k = np.flatnonzero(~_complete(P_pred) & _complete(P) & noise)
-        gained = _transposed(h[k]) @ np.linalg.solve(completed(columns.R[k], there[k]), h[k])
+        gained = _transposed(h[k]) @ np.linalg.solve(
+            fill_missing_with_identity(columns.R[k], there[k]), h[k]
+        )
         P_pred[k] = np.linalg.inv(np.linalg.inv(P[k]) - gained)
     if columns.S is not None:
         known = _complete_or_absent(columns.S, there)
         P = np.where((_rejected(columns) & ~_complete(P))[:, None, None], P_pred, P)
         k = np.flatnonzero(_complete(P_pred) & ~_complete(P) & known)
         shared = h[k] @ P_pred[k]
-        gain = np.linalg.solve(completed(columns.S[k], there[k]), shared)
+        gain = np.linalg.solve(fill_missing_with_identity(columns.S[k], there[k]), shared)
         P[k] = P_pred[k] - _transposed(shared) @ gain
     return P_pred, P
 
@@ -272,7 +275,7 @@ def _transitions(
     F = np.full(P_pred.shape, np.nan)
     k = np.flatnonzero(there.any(axis=1) & _complete_or_absent(R, there) & ~_rejected(columns))
     # (I - K H)^-1 = I + P_pred H' R^-1 H.
-    seen = np.linalg.solve(completed(R[k], there[k]), h[k] @ columns.A[k])
+    seen = np.linalg.solve(fill_missing_with_identity(R[k], there[k]), h[k] @ columns.A[k])
     F[k] = columns.A[k] + P_pred[k] @ _transposed(h[k]) @ seen
     F[_rejected(columns)] = columns.A[_rejected(columns)]
     k = np.flatnonzero(~there.any(axis=1) & _complete(P) & _complete(P_pred))
@@ -325,14 +328,14 @@ def _corrections(log: EstimatorLog, H: Floats, P_pred: Floats) -> Floats:
         there, h = _seen(columns, H)
         k = np.flatnonzero(_complete(P_pred) & _complete_or_absent(columns.S, there))
         nu = np.where(there[k], columns.innovation[k], 0.0)[..., None]
-        whitened = np.linalg.solve(completed(columns.S[k], there[k]), nu)
+        whitened = np.linalg.solve(fill_missing_with_identity(columns.S[k], there[k]), nu)
         corrections[k] = (P_pred[k] @ _transposed(h[k]) @ whitened)[..., 0]
         corrections[_rejected(columns)] = 0.0
     if columns.x is not None and columns.x_pred is not None:
         moved = columns.x - columns.x_pred
         if len(log.states):
             periods = np.array([s.period or np.nan for s in log.states])
-            moved = wrapped(moved, np.broadcast_to(periods, moved.shape))
+            moved = wrap(moved, np.broadcast_to(periods, moved.shape))
         corrections = np.where(_complete(moved)[:, None], moved, corrections)
     return corrections
 
