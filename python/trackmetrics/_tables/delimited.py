@@ -14,6 +14,7 @@ from trackmetrics._tables.polars_columns import polars, to_array
 
 MISSING = ("", "NA", "N/A", "NaN", "nan", "NAN", "null", "NULL", "None", "<NA>", "#N/A")
 """Cells that hold no value."""
+_ROWS_INFERRED = 1000
 _GROUPED = re.compile(r"-?\d{1,3}(?:,\d{3})+(?:\.\d+)?")
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+(?:[eE][+-]?\d+)?")
 
@@ -56,21 +57,25 @@ def _read_fast(
     pl = polars()
     if pl is None or not body.strip():
         return None
-    try:
-        frame = pl.read_csv(
-            io.BytesIO(body),
-            has_header=False,
-            new_columns=names,
-            separator=delimiter,
-            decimal_comma=comma,
-            null_values=list(MISSING),
-            infer_schema_length=None,
-            schema_overrides={f"column_{names.index(n) + 1}": pl.String for n in text},
-        )
-    except pl.exceptions.PolarsError:
+    options = {
+        "has_header": False,
+        "separator": delimiter,
+        "decimal_comma": comma,
+        "null_values": list(MISSING),
+        "schema_overrides": {f"column_{names.index(n) + 1}": pl.String for n in text},
+    }
+    # The first rows tell what a column holds, most often; if a later one differs, all of them.
+    for inferred in (_ROWS_INFERRED, None):
+        try:
+            frame = pl.read_csv(io.BytesIO(body), infer_schema_length=inferred, **options)
+            break
+        except pl.exceptions.PolarsError:
+            continue
+    else:
         return None  # the small reader names the row
     if len(frame.columns) != len(names):
         return None
+    frame.columns = names
     if frame[names[-1]].null_count() and _has_short_rows(body, delimiter, len(names)):
         return None  # likewise
     return {name: to_array(frame[name]) for name in names}
@@ -127,7 +132,8 @@ def _numbers_in_quotes(file: str, name: str, column: Any, text: Collection[str])
                     "write it without"
                 )
         return column
-    if all(_GROUPED.fullmatch(c.strip()) for c in cells if "," in c):
+    with_comma = [c for c in cells if "," in c]
+    if with_comma and all(_GROUPED.fullmatch(c.strip()) for c in with_comma):
         row = next(r for r, c in enumerate(column) if c is not None and "," in c)
         raise ValueError(
             f"{file}, row {row}: {name} is {value(column[row])}: a thousands separator or a "

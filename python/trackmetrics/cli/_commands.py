@@ -16,9 +16,8 @@ EXTRAS = {
     "matplotlib": "report",
     "narwhals": "frames",
     "plotly": "report",
-    "polars": "frames",
+    "polars": "files",
     "pyais": "ais",
-    "pyarrow": "parquet",
     "rich": "cli",
 }
 """The extra that installs a library."""

@@ -100,11 +100,13 @@ def as_matrices(
     ragged = as_ragged(name, values, rows, square=True)
     largest = 0
     blocks = []
-    keys = np.stack([ragged.lengths, sizes], axis=1)
-    for length, size in np.unique(keys, axis=0).tolist():
+    most = int(sizes.max(initial=0)) + 1
+    keys = ragged.lengths * most + sizes
+    for key in np.flatnonzero(np.bincount(keys, minlength=1)).tolist():
+        length, size = divmod(key, most)
         if not length:
             continue
-        own = np.flatnonzero((ragged.lengths == length) & (sizes == size))
+        own = np.flatnonzero(keys == key)
         found = _form(f"{name}[{own[0]}]", length, size, form, ragged.nested)
         elements = ragged.flat[ragged.starts[own][:, None] + np.arange(length)]
         matrices = _FROM[found](np.asarray(elements, np.float64))
