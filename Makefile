@@ -10,8 +10,8 @@ WHEEL_INPUTS := $(shell find rust python -name '*.rs' -o -name '*.py' -o -name '
 
 PIP_INSTALL := -m pip install --quiet --disable-pip-version-check
 # What needs nothing but the runtime dependencies, run once with the oldest that are supported.
-MINIMUM := $(addprefix tests/test_, backend bottleneck_assignment cli_demo consistency_test \
-	labels linear_sum_assignment mot_metrics nees ospa processes rmse twins)
+MINIMUM := $(addprefix tests/test_, backend bottleneck_assignment consistency_test \
+	labels linear_sum_assignment mot_metrics nees ospa processes rmse reference)
 
 .PHONY: demo test test-rust test-python test-minimum lint format bench wheel develop clean
 
@@ -63,12 +63,12 @@ $(VENV)/tools: pyproject.toml
 	$(PY) $(PIP_INSTALL) 'maturin>=1.9.4,<2'
 	touch $@
 
-# The release wheel as a user gets it, with what the page of the demo is made with.
+# The release wheel as a user gets it, with the extras that the demo needs.
 $(VENV)/wheel: $(VENV)/tools $(WHEEL_INPUTS)
 	rm -rf dist
 	$(VENV)/bin/maturin build --release --locked --out dist
 	$(PY) $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
-	$(PY) $(PIP_INSTALL) "$$(echo dist/*.whl)[report]"
+	$(PY) $(PIP_INSTALL) "$$(echo dist/*.whl)[cli,report]"
 	touch $@
 
 # And the extras that tests and lints need.

@@ -9,7 +9,8 @@ import numpy as np
 import plants
 from harness import Bench
 from trackmetrics import _native, _numpy, use_backend
-from trackmetrics.diagnostics import EstimatorLog, diagnose
+from trackmetrics.diagnostics import diagnose
+from trackmetrics.logs import EstimatorLog
 
 
 def fleet(tracks: int, updates: int) -> EstimatorLog:

@@ -106,7 +106,7 @@ def bench_ospa2(bench: Bench) -> None:
     for window in (5, 50):
         ours = ospa2(truth, tracks, 10, 2, window=window)
         theirs = twin(truth, tracks, 10, 2, window=window)
-        assert np.allclose(ours.ospa2, theirs.ospa2, rtol=1e-12)
+        assert np.allclose(ours.distance, theirs.distance, rtol=1e-12)
         bench.compare(
             f"ospa2, 10 truths, 15 tracks, 100 steps, window {window}",
             lambda w=window: ospa2(truth, tracks, 10, 2, window=w),

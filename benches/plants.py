@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.diagnostics import EstimatorLog, State
+from trackmetrics.logs import EstimatorLog, State
 
 Floats = NDArray[np.float64]
 

@@ -21,7 +21,8 @@ import numpy as np
 
 import plants
 import vessel_plant
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, TrackDiagnosis, diagnose
+from trackmetrics.diagnostics import Diagnosis, TrackDiagnosis, diagnose
+from trackmetrics.logs import EstimatorLog
 
 RESULTS = Path(__file__).parent / "results" / "rates_diagnostics.json"
 

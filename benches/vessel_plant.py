@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plants import as_log
-from trackmetrics.diagnostics import EstimatorLog, State
+from trackmetrics.logs import EstimatorLog, State
 
 Floats = NDArray[np.float64]
 

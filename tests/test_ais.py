@@ -1,5 +1,8 @@
 """Recordings of AIS: every trap of a real one, and the ones it does not have."""
 
+import csv
+import io
+
 import numpy as np
 import pytest
 
@@ -55,7 +58,7 @@ def test_every_trap_of_the_recording_is_met(solent):
 
 @pytest.fixture
 def native():
-    """The twin takes forty times as long over a recording, and gives the same numbers."""
+    """The reference takes forty times as long over a recording, and gives the same numbers."""
     with trackmetrics.use_backend("native"):
         yield
 
@@ -64,21 +67,18 @@ def native():
 @pytest.mark.usefixtures("native")
 def test_all_vessels_under_way_run_through(solent, tmp_path, capsys):
     page, log = tmp_path / "out.html", tmp_path / "log.jsonl"
-    words = ["vessel", str(solent), "--decimate", "60", "--html", str(page), "--log", str(log)]
-    assert main(words) == 0
+    words = ["vessel", str(solent), "--thin", "60", "--html", str(page), "--log", str(log)]
+    assert main([*words, "--format", "csv"]) == 0
     assert '<table id="predictions">' in page.read_text(encoding="utf-8")
-    text = capsys.readouterr().out
-    table, predictions = text.split("\nPredictions of the reports left out")
-    lines = [line.split() for line in table.splitlines() if line[:9].isdigit()]
-    assert len(lines) == 17
-    # Those that the filter lies about from some time on: a transient is one that ends.
-    liars = [line for line in lines if line[1] in ("late_divergence", "transient")]
-    assert "232002939" in {line[0] for line in liars}  # the ferry, after a long silence
-    assert all(line[-3] == "s" and float(line[-4]) > 0 for line in liars)  # since when
-    assert "Look at this first: " in table
-    assert sum(line[:9].isdigit() for line in predictions.splitlines()) == 17
+    rows = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))
+    assert len(rows) == 17
+    assert all(row["held_out_verdict"] and int(row["held_out_reports"]) > 0 for row in rows)
+    # Inconsistent from some time on: a transient is one that ends.
+    late = [row for row in rows if row["verdict"] in ("late_divergence", "transient")]
+    assert "232002939" in {row["track"] for row in late}  # the ferry, after a long silence
+    assert all(float(row["onset_time"]) > 0 for row in late)
     assert page.stat().st_size < 10e6
-    from trackmetrics.diagnostics import read_log
+    from trackmetrics.logs import read_log
 
     again = read_log(log)
     assert len(again.tracks) == 17
@@ -242,23 +242,24 @@ def test_nmea(tmp_path):
 def test_the_demo_of_the_ships(tmp_path, capsys):
     page = tmp_path / "demo.html"
     assert main(["demo", "--html", str(page)]) == 0
-    text = capsys.readouterr().out
-    assert text.startswith("three ships, 63 updates, honest noise, seed 1: simulated, tracked")
+    told = capsys.readouterr()
+    text = told.out
+    assert told.err.startswith("three ships, 63 updates, consistent noise, seed 1: simulated,")
     assert "SS Northern Star0  late_divergence" in text
-    assert "Look at this first: SS Northern Star0" in text
+    assert "Most severe track: SS Northern Star0" in text
     assert page.stat().st_size < 10e6
     assert "MV Iron Falcon2" in page.read_text()
-    assert main(["demo", "--html", "", "--noise", "article"]) == 0
+    assert main(["demo", "--html", "", "--noise", "published"]) == 0
     assert "pessimistic" in capsys.readouterr().out
 
 
-def test_the_vessel_table_says_where_all_is_well(capsys):
-    from trackmetrics.cli._output import print_verdicts
+def test_no_inconsistency_is_reported_where_there_is_none():
+    from trackmetrics.cli._verdicts import most_severe
     from trackmetrics.diagnostics import diagnose
 
     run = vessel.fleet(1, duration=3600.0, interval=60.0, seed=4)
-    print_verdicts(diagnose(run.track()))
-    assert "Every filter is as honest as its updates can tell." in capsys.readouterr().out
+    found = most_severe(diagnose(run.track()))
+    assert found == "No inconsistency was detected in any track."
 
 
 @pytest.mark.parametrize(
@@ -267,8 +268,8 @@ def test_the_vessel_table_says_where_all_is_well(capsys):
         (["vessel", "no.csv"], "trackmetrics vessel: no.csv: No such file or directory"),
         (["diagnose", "no.csv"], "trackmetrics diagnose: no.csv: No such file or directory"),
         (
-            ["vessel", "no.csv", "--decimate", "-5"],
-            "trackmetrics vessel: --decimate must be positive, got -5",
+            ["vessel", "no.csv", "--thin", "-5"],
+            "trackmetrics vessel: --thin must be positive, got -5",
         ),
     ],
 )

@@ -1,4 +1,4 @@
-"""The auction's bound, against the exact solver, brute force (by way of SciPy) and the twin."""
+"""The auction's bound, against the exact solver, brute force (SciPy) and the reference."""
 
 import math
 
@@ -35,7 +35,7 @@ def matrices(draw):
 
 
 @given(matrices(), st.sampled_from([None, 0.3, 0.001]), st.booleans())
-def test_the_bound_holds_and_kernel_and_twin_agree(costs, relative, maximize):
+def test_the_bound_holds_and_kernel_and_reference_agree(costs, relative, maximize):
     costs = -costs if maximize else costs
     largest = np.abs(costs[np.isfinite(costs)]).max(initial=0.0)
     epsilon = None if relative is None else relative * (largest or 1.0)
@@ -53,10 +53,10 @@ def test_the_bound_holds_and_kernel_and_twin_agree(costs, relative, maximize):
     rounding = 1e-14 * largest * max(costs.shape)
     assert 0 <= bound <= max(costs.shape) * last + rounding
     assert abs(total(costs, (rows, columns)) - best) <= bound + 1e-16 * largest
-    twin = _numpy.auction(costs, epsilon, maximize)
-    np.testing.assert_array_equal(rows, twin[0])
-    np.testing.assert_array_equal(columns, twin[1])
-    assert twin[2:] == pytest.approx((last, bound), rel=1e-9, abs=rounding)
+    reference = _numpy.auction(costs, epsilon, maximize)
+    np.testing.assert_array_equal(rows, reference[0])
+    np.testing.assert_array_equal(columns, reference[1])
+    assert reference[2:] == pytest.approx((last, bound), rel=1e-9, abs=rounding)
 
 
 @pytest.mark.parametrize("shape", [(60, 60), (40, 90), (90, 40)])

@@ -47,7 +47,7 @@ print(trackmetrics.backend())
 """
 
 
-def test_a_build_without_an_extension_computes_with_the_twins():
+def test_a_build_without_an_extension_computes_with_the_references():
     assert run(WITHOUT_EXTENSION, TRACKMETRICS_BACKEND="").stdout.strip() == "numpy"
     asked_for = run(WITHOUT_EXTENSION, TRACKMETRICS_BACKEND="native")
     assert "ModuleNotFoundError" in asked_for.stderr

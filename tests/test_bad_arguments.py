@@ -22,7 +22,7 @@ STATES = {"true_states": ERRORS, "estimated_states": ERRORS + 1}
 LABELLED = {"true_labels": LABELS, "estimated_labels": LABELS}
 CREDIBLE = {"errors": ERRORS, "covariances": COVARIANCES}
 TESTED = {"confidence": 0.9}
-NIS = {"nis_values": VALUES, "df": 2.0, **TESTED}
+NIS = {"nis_values": VALUES, "dof": 2.0, **TESTED}
 INNOVATIONS = {"innovations": ERRORS, "innovation_covariances": COVARIANCES}
 STATE = {"true_state": ERRORS[0], "estimated_state": ERRORS[1], "covariance": np.eye(2)}
 
@@ -37,7 +37,7 @@ GOOD = {
     },
     "mmospa2tar_2d": {"particles": np.ones((4, 3))},
     "mmospa_approx": {"x": np.ones((2, 2, 3)), "w": np.ones(3) / 3, "num_scans": 1},
-    "anees": {"nees_values": VALUES, "df": 2.0, "axis": 0, **TESTED},
+    "anees": {"nees_values": VALUES, "dof": 2.0, "axis": 0, **TESTED},
     "auction": {"cost_matrix": POINTS, "epsilon": 0.1},
     "average_nees": {**STATES, "covariances": COVARIANCES},
     "average_nis": {**NIS, "axis": -1},
@@ -46,14 +46,14 @@ GOOD = {
     "calc_mospa_error": {"x_est": np.ones((2, 2)), "x": np.ones((2, 2, 3)), "w": np.ones(3) / 3},
     "consistency_test": {"nees_or_nis_values": VALUES, "df": 2.0, **TESTED},
     "correlation_time": {"values": VALUES},
-    "covariance_scale": {"values": VALUES, "df": 2.0, "correlation_time": 1.0, **TESTED},
+    "covariance_scale": {"values": VALUES, "dof": 2.0, "correlation_time": 1.0, **TESTED},
     "covariance_test": {**CREDIBLE, **TESTED},
-    "coverage": {"values": VALUES, "df": 2.0, "probability": 0.9, **TESTED},
-    "coverage_curve": {"values": VALUES, "df": 2.0, **TESTED},
+    "coverage": {"values": VALUES, "dof": 2.0, "probability": 0.9, **TESTED},
+    "coverage_curve": {"values": VALUES, "dof": 2.0, **TESTED},
     "credibility_interval": {**CREDIBLE, "interval": 0.9},
     "decorrelated_nees": {**CREDIBLE, "transitions": COVARIANCES / 2},
     "estimation_error_bounds": {"covariances": COVARIANCES, "sigma": 2.0},
-    "excess_nll": {"nees_values": VALUES, "df": 2.0},
+    "excess_nll": {"nees_values": VALUES, "dof": 2.0},
     "fading_memory_nis": {**NIS, "factor": 0.5},
     "gaussian_crps": CREDIBLE,
     "gospa": {**SETS, "alpha": 2.0},
@@ -68,7 +68,7 @@ GOOD = {
     "moving_average_nis": {**NIS, "window": 2},
     "nees": STATE,
     "nees_correlation_time": {"transitions": COVARIANCES / 2, "covariances": COVARIANCES},
-    "nees_over_time": {"nees_values": VALUES, "df": 2.0, **TESTED},
+    "nees_over_time": {"nees_values": VALUES, "dof": 2.0, **TESTED},
     "nees_sequence": {**STATES, "covariances": COVARIANCES},
     "nis": {"innovation": ERRORS[0], "innovation_covariance": np.eye(2)},
     "nis_sequence": INNOVATIONS,
@@ -79,7 +79,7 @@ GOOD = {
     "ospa_assignment": SETS,
     "ospa_from_distances": MATRIX,
     "ospa_over_time": FRAMES,
-    "pit_test": {"values": VALUES, "df": 2.0, **TESTED},
+    "pit_test": {"values": VALUES, "dof": 2.0, **TESTED},
     "position_rmse": {**STATES, "position_indices": [0]},
     "rmse": STATES,
     "set_threads": {"count": 1},
@@ -155,8 +155,10 @@ def test_what_is_right_is_taken(name):
 def test_what_is_wrong_is_named(name, argument):
     """A wrong shape may be told by what does not fit it: then that argument, or the axis, is."""
     for what, value in NOT_REAL.items():
-        native, twin = (said(name, argument, value, backend) for backend in ("native", "numpy"))
-        assert native == twin, what
+        native, reference = (
+            said(name, argument, value, backend) for backend in ("native", "numpy")
+        )
+        assert native == reference, what
         if native is not None:
             kind, text = native
             assert issubclass(kind, TypeError | ValueError), (what, native)

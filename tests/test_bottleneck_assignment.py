@@ -1,4 +1,4 @@
-"""The bottleneck assignment against brute force and its twin."""
+"""The bottleneck assignment against brute force and its reference implementation."""
 
 import itertools
 import math
@@ -39,7 +39,7 @@ def matrices(draw):
 
 
 @given(matrices())
-def test_kernel_twin_and_definition_agree(costs):
+def test_kernel_reference_and_definition_agree(costs):
     expected = brute_force(costs)
     if expected == math.inf:
         for solve in (_native.bottleneck_assignment, _numpy.bottleneck_assignment):
@@ -49,10 +49,10 @@ def test_kernel_twin_and_definition_agree(costs):
     value, rows, columns = _native.bottleneck_assignment(costs)
     assert value == expected == costs[rows, columns].max()
     assert len(rows) == len(set(columns.tolist())) == min(costs.shape)
-    twin_value, twin_rows, twin_columns = _numpy.bottleneck_assignment(costs)
-    assert twin_value == value
-    np.testing.assert_array_equal(rows, twin_rows)
-    np.testing.assert_array_equal(columns, twin_columns)
+    reference_value, reference_rows, reference_columns = _numpy.bottleneck_assignment(costs)
+    assert reference_value == value
+    np.testing.assert_array_equal(rows, reference_rows)
+    np.testing.assert_array_equal(columns, reference_columns)
 
 
 @pytest.mark.parametrize("shape", [(40, 40), (30, 90), (90, 30), (1, 50)])
@@ -65,9 +65,9 @@ def test_larger_matrices_by_feasibility(shape, levels):
     assert len(set(result.col_ind.tolist())) == min(shape)
     rows, columns = linear_sum_assignment(costs >= result.cost)
     assert (costs >= result.cost)[rows, columns].any()
-    twin = _numpy.bottleneck_assignment(costs)
-    assert twin[0] == result.cost
-    np.testing.assert_array_equal(twin[2], result.col_ind)
+    reference = _numpy.bottleneck_assignment(costs)
+    assert reference[0] == result.cost
+    np.testing.assert_array_equal(reference[2], result.col_ind)
 
 
 @pytest.mark.parametrize("backend", ["native", "numpy"])

@@ -1,7 +1,7 @@
 """The statistics of trackmetrics.consistency: closed forms, and null distributions by simulation.
 
-The simulated filter is honest: a nearly constant velocity in two dimensions, seen by two sensors in
-turn. Every test with a nominal 5 % must reject about 5 % of its runs.
+The simulated filter is consistent: a nearly constant velocity in two dimensions, seen by two
+sensors in turn. Every test with a nominal 5 % must reject about 5 % of its runs.
 """
 
 import json
@@ -17,7 +17,7 @@ RUNS, STEPS, STATES, MEASURED = 2000, 60, 4, 2
 
 
 class Simulation:
-    """An honest Kalman filter over many runs: errors, innovations and its matrices."""
+    """A consistent Kalman filter over many runs: errors, innovations and its matrices."""
 
     def __init__(self, runs=RUNS, steps=STEPS, seed=7):
         rng = np.random.default_rng(seed)
@@ -164,7 +164,7 @@ def geyer(x):
 
 
 def test_correlation_times_of_many_are_the_definition_of_each():
-    from trackmetrics.consistency.correlation import correlation_times
+    from trackmetrics.consistency.correlation_time import correlation_times
 
     rng = np.random.default_rng(4)
     sequences = [np.ones(3), np.ones(9)]
@@ -314,7 +314,7 @@ def test_coverage(sim):
     assert test.share == share
 
 
-def test_clopper_pearson_holds_what_it_promises():
+def test_clopper_pearson_holds_what_it_claims():
     """The interval of 19 in 20, and all and nothing, as tables have them."""
     values = np.r_[np.zeros(19), 100.0]
     test = consistency.coverage(values, 1)
@@ -414,9 +414,9 @@ def test_covariance_scale():
 REFUSED = [
     (lambda: consistency.anees([], 2), "nees_values is empty"),
     (lambda: consistency.anees([1.0, -1.0], 2), "nees_values[1] must be finite and at least 0"),
-    (lambda: consistency.anees([1.0], 0), "df must be positive and finite, got 0.0"),
-    (lambda: consistency.average_nis([1.0, 2.0], [1, 2, 3]), "df has shape (3,), expected (2,)"),
-    (lambda: consistency.average_nis([1.0, 2.0], [1, 0]), "df[1] must be positive and finite"),
+    (lambda: consistency.anees([1.0], 0), "dof must be positive and finite, got 0.0"),
+    (lambda: consistency.average_nis([1.0, 2.0], [1, 2, 3]), "dof has shape (3,), expected (2,)"),
+    (lambda: consistency.average_nis([1.0, 2.0], [1, 0]), "dof[1] must be positive and finite"),
     (lambda: consistency.anees([1.0], 2, confidence=95), "confidence must be between 0 and 1"),
     (lambda: consistency.moving_average_nis([1.0], 2, 2), "window must be between 1 and 1, got 2"),
     (lambda: consistency.fading_memory_nis([1.0], 2, 1.0), "factor must be between 0 and 1"),

@@ -35,7 +35,7 @@ def test_bounds_are_inclusive():
     assert not trackmetrics.consistency_test([result.upper_bound * (1 + 1e-15)], 1).is_consistent
 
 
-def test_an_honest_filter_passes_as_often_as_it_says():
+def test_an_consistent_filter_passes_as_often_as_it_says():
     values = np.random.default_rng(3).chisquare(4, (4000, 30))
     passed = sum(trackmetrics.consistency_test(run, 4, 0.9).is_consistent for run in values)
     assert passed / 4000 == pytest.approx(0.9, abs=0.015)
@@ -62,7 +62,7 @@ def test_what_is_refused(arguments, message):
 
 
 @pytest.mark.parametrize("n", [1, 7, 64, 5000])
-def test_the_mean_of_kernel_and_twin(n):
+def test_the_mean_of_kernel_and_reference(n):
     values = np.random.default_rng(n).chisquare(3, n)
     mean, count = _native.mean_statistic(values)
     assert mean == pytest.approx(_numpy.mean_statistic(values)[0], rel=1e-14)

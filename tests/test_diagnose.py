@@ -5,14 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from trackmetrics.diagnostics import (
-    VERDICTS,
-    EstimatorLog,
-    State,
-    diagnose,
-    read_log,
-)
+from trackmetrics.diagnostics import VERDICTS, diagnose
 from trackmetrics.diagnostics.timeline import Timeline
+from trackmetrics.logs import EstimatorLog, State, read_log
 
 STD = ["std_lat_deg", "std_lon_deg", "std_sog_kts", "std_cog_deg", "std_turn_rate"]
 STATES = ["lat", "lon", "sog", "cog", "turn_rate"]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from trackmetrics import use_backend
-from trackmetrics.diagnostics import EstimatorLog, State, diagnose
+from trackmetrics.diagnostics import diagnose
+from trackmetrics.logs import EstimatorLog, State
 
 F = np.kron(np.eye(2), [[1.0, 5.0], [0.0, 1.0]])
 Q = np.kron(np.eye(2), 0.5 * np.array([[125 / 3, 12.5], [12.5, 5.0]]))

@@ -8,7 +8,7 @@ import pytest
 
 import trackmetrics
 
-ROOMS = ["track_metrics", "estimation_metrics", "mospa"]
+MODULES = ["track_metrics", "estimation_metrics", "mospa"]
 
 
 @pytest.mark.peers
@@ -25,10 +25,10 @@ def test_the_signature_is_pytcls(name):
 
 
 @pytest.mark.peers
-@pytest.mark.parametrize("room", ROOMS)
-def test_pytcls_module_paths_hold_the_same_objects(room):
-    ours = import_module(f"trackmetrics.{room}")
-    theirs = import_module(f"pytcl.performance_evaluation.{room}")
+@pytest.mark.parametrize("module", MODULES)
+def test_pytcls_module_paths_hold_the_same_objects(module):
+    ours = import_module(f"trackmetrics.{module}")
+    theirs = import_module(f"pytcl.performance_evaluation.{module}")
     names = [n for n in pytcl.__all__ if getattr(theirs, n, None) is getattr(pytcl, n)]
     assert names
     for name in names:

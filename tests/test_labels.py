@@ -1,4 +1,4 @@
-"""Purity, fragmentation and switches against brute force, the twin, the peer and recordings."""
+"""Purity, fragmentation and switches against brute force, reference, peer and recordings."""
 
 import datetime
 import itertools
@@ -56,7 +56,7 @@ def ids(values):
 
 
 @given(observations())
-def test_kernel_twin_and_definition_agree(case):
+def test_kernel_reference_and_definition_agree(case):
     true, estimated, times = case
     t, e, when = ids(true), ids(estimated), ids(times)
     for kernels in BACKENDS:

@@ -16,7 +16,7 @@ from trackmetrics import _native, _numpy, gospa, ospa, ospa_assignment
 
 @pytest.fixture(autouse=True)
 def _native_backend():
-    """The twins are the dense definition and refuse what is large."""
+    """The references are the dense definition and refuse what is large."""
     with trackmetrics.use_backend("native"):
         yield
 
@@ -51,7 +51,7 @@ def test_whole_numbers_are_exact(d, p):
 
 
 @pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 3.0])
-def test_real_numbers_agree_with_the_twin(order):
+def test_real_numbers_agree_with_the_reference(order):
     rng = np.random.default_rng(7)
     for n in (250, 400):
         x = rng.uniform(0, 100, (n, 2))
@@ -59,8 +59,8 @@ def test_real_numbers_agree_with_the_twin(order):
         expected = _numpy.ospa(x, y, 5.0, order)
         assert _native.ospa(x, y, 5.0, order) == pytest.approx(expected, rel=1e-13)
         if order >= 1:
-            (parts, pairs), (twin, same) = (k.gospa(x, y, 5.0, order, 2.0) for k in KERNELS)
-            assert parts == pytest.approx(twin, rel=1e-12)
+            (parts, pairs), (reference, same) = (k.gospa(x, y, 5.0, order, 2.0) for k in KERNELS)
+            assert parts == pytest.approx(reference, rel=1e-12)
             assert pairs.tolist() == same.tolist() == ospa_assignment(x, y, 5.0, order).tolist()
 
 

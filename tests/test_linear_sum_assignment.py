@@ -1,4 +1,4 @@
-"""The linear sum assignment against brute force, its twin and SciPy, pair for pair."""
+"""The linear sum assignment against brute force, its reference and SciPy, pair for pair."""
 
 import itertools
 import math

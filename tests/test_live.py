@@ -85,7 +85,7 @@ def test_wrong_values_are_named(nis, dof):
 
 
 def test_the_diagnosis_says_when_it_would_have_called():
-    from trackmetrics.diagnostics import EstimatorLog
+    from trackmetrics.logs import EstimatorLog
 
     nis = [2.0] * 40 + [30.0] * 5
     track = diagnose(EstimatorLog.from_columns(nis=nis, nis_dof=2))["track"]

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 
-from trackmetrics.diagnostics import EstimatorLog, State, read_log
+from trackmetrics.logs import EstimatorLog, State, read_log
 
 
 def full_log(rows=6, seed=0):

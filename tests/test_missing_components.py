@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trackmetrics import use_backend
-from trackmetrics.diagnostics import EstimatorLog, State, diagnose, read_log
+from trackmetrics.diagnostics import diagnose
+from trackmetrics.logs import EstimatorLog, State, read_log
 
 NAN = np.nan
 

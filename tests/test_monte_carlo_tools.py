@@ -10,17 +10,12 @@ import numpy as np
 import pytest
 
 from trackmetrics.cli import main
-from trackmetrics.cli.sweep import grid
+from trackmetrics.cli.sweep import parse_grid
 from trackmetrics.monte_carlo import ConsistencyAccumulator, sweep
-from trackmetrics.report.scene import Boxes, Line
-from trackmetrics.report.sweep_page import sweep_page
-from trackmetrics.report.sweep_scenes import (
-    _outline,
-    heat_figure,
-    heat_scene,
-    sweep_figure,
-    sweep_scene,
-)
+from trackmetrics.report import heatmap_figure, render_sweep_page, sweep_figure
+from trackmetrics.report.heatmap_scene import _outline, heatmap_scene
+from trackmetrics.report.scene import Line, Rects
+from trackmetrics.report.sweep_scenes import sweep_scene
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -41,14 +36,22 @@ def test_the_command_prints_each_setting_and_the_best(capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split()[:4] == ["claimed", "runs", "nees", "squared_error[0]"]
     assert [line.split()[0] for line in lines[1:4]] == ["0.5", "*", "2"]
-    assert lines[4].startswith("* best by |ln anees|: ")
-    assert lines[5].endswith("more than chance")
+    assert lines[5].startswith("* best by |ln anees|: ")
+    assert lines[6].endswith("more than chance")
 
 
 def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
-    words = ["sweep", "monte_carlo_cases:failing", "--runs", "30", "--format", "json", "--collect"]
+    words = [
+        "sweep",
+        "monte_carlo_cases:failing",
+        "--runs",
+        "30",
+        "--format",
+        "json",
+        "--keep-going",
+    ]
     words += ["--checkpoint", str(tmp_path / "s.ckpt"), "--html", str(tmp_path / "out.html")]
-    words += ["--parquet", str(tmp_path / "out.parquet"), "--workers", "2", "--chunk", "9"]
+    words += ["--parquet", str(tmp_path / "out.parquet"), "--workers", "2", "--chunk-size", "9"]
     assert main([*words, "--grid", "claimed=1.0"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["settings"]["claimed"] == [1.0]
@@ -67,7 +70,7 @@ def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
         (["monte_carlo_cases:f"], "monte_carlo_cases has no f"),
         ([NAME, "--grid", "claimed"], "--grid expects NAME=VALUE,..., got 'claimed'"),
         ([NAME, "--runs", "0"], "runs must be a whole number, at least 1, got 0"),
-        ([NAME, "--runs", "2", "--best", "ospa"], "there is no score 'ospa'"),
+        ([NAME, "--runs", "2", "--rank-by", "ospa"], "there is no score 'ospa'"),
     ],
 )
 def test_the_command_says_what_is_wrong(capsys, words, message):
@@ -76,12 +79,12 @@ def test_the_command_says_what_is_wrong(capsys, words, message):
 
 
 def test_values_of_a_grid_are_literals_or_words():
-    assert grid(["q=0.01,0.1,1", "motion=cv,ca", "gate=True"]) == {
+    assert parse_grid(["q=0.01,0.1,1", "motion=cv,ca", "gate=True"]) == {
         "q": [0.01, 0.1, 1],
         "motion": ["cv", "ca"],
         "gate": [True],
     }
-    assert grid([]) is None
+    assert parse_grid([]) is None
 
 
 @pytest.mark.parametrize("dark", [False, True])
@@ -90,7 +93,7 @@ def test_figures_are_drawn_by_both_libraries(two_parameters, backend, dark):
     one = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
     options = {"backend": backend, "dark": dark}
     assert sweep_figure(one, states=["east, m", "north, m"], step=0.5, **options) is not None
-    assert heat_figure(two_parameters, "claimed", "steps", **options) is not None
+    assert heatmap_figure(two_parameters, "claimed", "steps", **options) is not None
     if backend == "matplotlib":
         import matplotlib.pyplot as plt
 
@@ -109,14 +112,14 @@ def test_wrong_figures_are_named(two_parameters):
     with pytest.raises(ValueError, match=r"settings must be of the 1 of the grid, got \[1\]"):
         sweep_figure(one, settings=[1])
     with pytest.raises(ValueError, match="the grid has no 'r', it has claimed, steps"):
-        heat_figure(two_parameters, "claimed", "r")
+        heatmap_figure(two_parameters, "claimed", "r")
     with pytest.raises(ValueError, match="there is no score 'ospa', there are nees"):
-        heat_figure(two_parameters, "claimed", "steps", "ospa")
+        heatmap_figure(two_parameters, "claimed", "steps", "ospa")
 
 
 def test_the_honest_region_is_outlined(two_parameters):
-    (panel,) = heat_scene(two_parameters, "claimed", "steps", "nees").panels
-    lines = [mark for mark in panel.marks if type(mark).__name__ == "Line"]
+    (panel,) = heatmap_scene(two_parameters, "claimed", "steps", "nees").panels
+    lines = [primitive for primitive in panel.primitives if type(primitive).__name__ == "Line"]
     assert len(lines) == 6  # the column of claimed=1 is one by two cells
     assert len(_outline({(0, 0)})) == 4
     assert len(_outline({(0, 0), (1, 0)})) == 6
@@ -125,23 +128,30 @@ def test_the_honest_region_is_outlined(two_parameters):
 def test_the_settings_nearest_to_honest_are_drawn():
     grid = {"claimed": [8.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.9, 0.8, 0.7, 0.6]}
     result = sweep(cases.honest, 20, seed=1, grid=grid, progress=False)
-    drawn = {mark.name for mark in sweep_scene(result).panels[0].marks if isinstance(mark, Line)}
+    drawn = {
+        primitive.name
+        for primitive in sweep_scene(result).panels[0].primitives
+        if isinstance(primitive, Line)
+    }
     assert len(drawn) == 8
     assert drawn.isdisjoint({"claimed=8", "claimed=4"})
-    chosen = sweep_scene(result, settings=[0, 5]).panels[0].marks
-    assert {mark.name for mark in chosen if isinstance(mark, Line)} == {"claimed=8", "claimed=1"}
+    chosen = sweep_scene(result, settings=[0, 5]).panels[0].primitives
+    assert {p.name for p in chosen if isinstance(p, Line)} == {
+        "claimed=8",
+        "claimed=1",
+    }
 
 
 def test_honest_scores_are_red_above_one_and_blue_below(two_parameters):
-    (panel,) = heat_scene(two_parameters, "claimed", "steps", "nees").panels
-    colours = {float(m.name) > 1: m.colour.partition("/")[0] for m in panel.marks
-               if isinstance(m, Boxes)}  # fmt: skip
+    (panel,) = heatmap_scene(two_parameters, "claimed", "steps", "nees").panels
+    colours = {float(m.name) > 1: m.colour.partition("/")[0] for m in panel.primitives
+               if isinstance(m, Rects)}  # fmt: skip
     assert colours == {True: "high", False: "low"}
 
 
 def test_a_page_stands_alone():
     result = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
-    page = sweep_page(result, title="<a & b>", best=result.best("anees"))
+    page = render_sweep_page(result, title="<a & b>", best=result.best("anees"))
     addresses = []
 
     class Reader(HTMLParser):
@@ -153,7 +163,7 @@ def test_a_page_stands_alone():
     assert all(address.startswith("data:image/svg+xml") for address in addresses)
     assert "<h1>&lt;a &amp; b&gt;</h1>" in page
     assert page.count("<tr>") == 3
-    assert page.count("<tr class='best'>") == 1
+    assert page.count('<tr class="best">') == 1
     assert "is best by |ln anees|" in page
 
 

@@ -1,4 +1,4 @@
-"""CLEAR MOT by list index against its definition, the twin, the peer and recordings."""
+"""CLEAR MOT by list index against its definition, the reference, the peer and recordings."""
 
 import itertools
 import json
@@ -48,7 +48,7 @@ def nearest(x, y):
 
 
 @given(st.integers(0, 2**32), st.integers(2, 9), SCALES)
-def test_kernel_twin_and_definition_agree(seed, d, scale):
+def test_kernel_reference_and_definition_agree(seed, d, scale):
     rng = np.random.default_rng(seed)
     sizes = rng.integers(0, 5, (2, rng.integers(0, 8)))
     truth, estimates = ([rng.normal(size=(n, d)) * scale for n in side] for side in sizes)
@@ -60,7 +60,7 @@ def test_kernel_twin_and_definition_agree(seed, d, scale):
 
 
 @given(st.integers(0, 2**32), st.integers(1, 4))
-def test_kernel_and_twin_agree_to_the_bit_on_ties(seed, d):
+def test_kernel_and_reference_agree_to_the_bit_on_ties(seed, d):
     rng = np.random.default_rng(seed)
     sizes = rng.integers(0, 7, (2, 6))
     grid = rng.integers(1, 6)

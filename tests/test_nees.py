@@ -1,4 +1,4 @@
-"""NEES and NIS: kernel, twin and exact rational arithmetic; forms of input; what is refused."""
+"""NEES and NIS: kernel, reference and exact rational arithmetic; forms of input; refusals."""
 
 import json
 from fractions import Fraction
@@ -27,7 +27,7 @@ def exact_form(e, p):
 
 
 def tolerance(p):
-    """What the documentation promises, relative to the form."""
+    """What the documentation claims, relative to the form."""
     deviations = np.sqrt(np.diag(p))
     return 1e-12 + 8 * EPS * np.linalg.cond(p / np.outer(deviations, deviations))
 
@@ -48,7 +48,7 @@ def problems(draw, most=12):
 
 
 @given(problems())
-def test_kernel_and_twin_are_as_near_to_exact_as_promised(problem):
+def test_kernel_and_reference_are_as_near_to_exact_as_nominal(problem):
     x, y, p = problem
     exact = np.array([exact_form(*pair) for pair in zip(x - y, p, strict=True)])
     allowed = [tolerance(matrix) for matrix in p]
@@ -219,8 +219,8 @@ def test_near_singular_covariances_are_refused_by_both_or_neither(d, n, seed):
     p = np.tril(p) + np.tril(p, -1).swapaxes(-1, -2)
     v = rng.standard_normal((n, d))
     got = _native.nis_sequence(v, p, 1e-8, None, True)
-    twin = _numpy.nis_sequence(v, p, 1e-8, None, True)
-    np.testing.assert_array_equal(np.isnan(got), np.isnan(twin))
+    reference = _numpy.nis_sequence(v, p, 1e-8, None, True)
+    np.testing.assert_array_equal(np.isnan(got), np.isnan(reference))
     errors = []
     for kernels in (_native, _numpy):
         try:

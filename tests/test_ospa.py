@@ -1,4 +1,4 @@
-"""OSPA against brute force, its twin and its peer."""
+"""OSPA against brute force, its reference implementation and its peer."""
 
 import itertools
 import math
@@ -57,26 +57,26 @@ def parts_add_up(parts, p, rel=1e-12):
 
 
 @given(pairs_of_sets(), st.sampled_from([0.5, 1.0, 2.0, 3.5, INF]), st.sampled_from(ORDERS))
-def test_kernel_twin_and_definition_agree(sets, c, p):
+def test_kernel_reference_and_definition_agree(sets, c, p):
     (x, y), scale = sets
     unit = brute_force(x / scale, y / scale, c, p)
-    native, twin = _native.ospa(x, y, c * scale, p), _numpy.ospa(x, y, c * scale, p)
+    native, reference = _native.ospa(x, y, c * scale, p), _numpy.ospa(x, y, c * scale, p)
     assert native[0] == pytest.approx(unit * scale, rel=1e-11, abs=1e-15 * scale)
-    assert twin == pytest.approx(native, rel=1e-11, abs=1e-15 * scale)
+    assert reference == pytest.approx(native, rel=1e-11, abs=1e-15 * scale)
     assert parts_add_up(native, p)
-    assert parts_add_up(twin, p)
+    assert parts_add_up(reference, p)
 
 
 @given(st.integers(0, 2**32), st.integers(1, 40), st.integers(1, 40), st.integers(1, 12))
-def test_kernel_and_twin_agree_on_larger_sets(seed, m, n, d):
+def test_kernel_and_reference_agree_on_larger_sets(seed, m, n, d):
     rng = np.random.default_rng(seed)
     whole = rng.random() < 0.5
     x, y = (rng.uniform(0, 10, (k, d)) for k in (m, n))
     if whole:
         x, y = np.round(x), np.round(y)
     for p in (1.0, 2.0, 3.0, 4.0):
-        native, twin = _native.ospa(x, y, 6.0, p), _numpy.ospa(x, y, 6.0, p)
-        assert twin == pytest.approx(native, rel=1e-12)
+        native, reference = _native.ospa(x, y, 6.0, p), _numpy.ospa(x, y, 6.0, p)
+        assert reference == pytest.approx(native, rel=1e-12)
         assert _native.ospa(y, x, 6.0, p) == pytest.approx(native, rel=1e-12)
 
 

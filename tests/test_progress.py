@@ -27,6 +27,7 @@ def recording(tmp_path):
 
 def test_a_bar_where_somebody_watches(recording, monkeypatch):
     monkeypatch.setattr(_progress, "DELAY", 0.0)
+    monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(sys, "stderr", terminal := Terminal())
     watched = read_ais(recording, progress=True)
     assert "reading" in terminal.getvalue()
@@ -40,12 +41,14 @@ def test_no_bar_for_what_is_soon_done(recording, monkeypatch):
     assert "reading" not in terminal.getvalue()
 
 
-def test_no_bar_where_nobody_watches(recording, monkeypatch, capsys):
+def test_no_bar_without_a_terminal(recording, monkeypatch, capsys):
     monkeypatch.setattr(_progress, "DELAY", 0.0)
-    assert main(["vessel", str(recording)]) == 0
+    assert main(["vessel", "--quiet", str(recording)]) == 0
     assert capsys.readouterr().err == ""
 
 
-def test_without_tqdm_there_is_none(monkeypatch):
-    monkeypatch.setitem(sys.modules, "tqdm", None)
-    assert list(_progress.watched(range(3), "counting", 3, "items")) == [0, 1, 2]
+def test_without_rich_there_is_none(monkeypatch):
+    monkeypatch.setitem(sys.modules, "rich.progress", None)
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    assert _progress.bar(3, "items") is None
+    assert list(_progress.with_progress(range(3), "counting", 3, "items")) == [0, 1, 2]

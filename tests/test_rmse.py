@@ -1,4 +1,4 @@
-"""The RMSE family: kernel, twin and definition; axes, integers, NaN, what is refused."""
+"""The RMSE family: kernel, reference and definition; axes, integers, NaN, what is refused."""
 
 import itertools
 import math
@@ -36,7 +36,7 @@ def problems(draw):
 
 
 @given(problems())
-def test_kernel_twin_and_definition_agree(problem):
+def test_kernel_reference_and_definition_agree(problem):
     x, y, axes = problem
     expected = definition(x, y, axes)
     for kernels in (_native, _numpy):

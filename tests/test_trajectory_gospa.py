@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import linprog
 
 from trackmetrics import trajectory_gospa
-from trackmetrics.trajectories._switching import Cluster, _best_chain, _best_mixture
+from trackmetrics.trajectories._gospa_solver import Cluster, _dynamic_program, _linear_program
 
 
 def by_definition(truth, tracks, c, p, gamma, norm=2.0):
@@ -90,9 +90,9 @@ def test_a_chain_of_choices_solves_its_linear_programme():
         def value(held, powers=powers, price=price):
             return ((1 - powers) * held).sum() - price * np.abs(np.diff(held, axis=1)).sum()
 
-        chain = _best_chain(cluster.gains, price)
+        chain = _dynamic_program(cluster.gains, price)
         assert (chain.sum(axis=0) <= 1).all()
-        assert value(chain) == pytest.approx(value(_best_mixture(cluster, price)), abs=1e-7)
+        assert value(chain) == pytest.approx(value(_linear_program(cluster, price)), abs=1e-7)
 
 
 def test_one_step_is_gospa_and_a_price_of_nothing_is_its_sum():
@@ -153,8 +153,8 @@ def test_a_switch_that_is_too_dear_is_never_made():
         [(times, rng.normal(size=4)) for _ in range(3)]
         for rng in map(np.random.default_rng, (1, 2))
     )
-    dear, dearer = (trajectory_gospa(one, many, 1.0, 2, gamma).distance for gamma in (1e2, 1e200))
-    assert dear == pytest.approx(dearer, rel=1e-7)
+    costly, larger = (trajectory_gospa(one, many, 1.0, 2, gamma).distance for gamma in (1e2, 1e200))
+    assert costly == pytest.approx(larger, rel=1e-7)
 
 
 def test_nothing():
@@ -184,7 +184,7 @@ POINT = [([0.0], [[0.0, 0.0]])]
         ({"c": 1e200, "p": 2}, "c must be such that its p-th power is finite, got 1e+200"),
         ({"gamma": 0}, "gamma must be positive and finite, got 0.0"),
         ({"p": 0.5}, "p must be finite and at least 1, got 0.5"),
-        ({"base": "taxi"}, "base must be 'euclidean' or 'p-norm', got 'taxi'"),
+        ({"distance": "taxi"}, "distance must be 'euclidean' or 'p-norm', got 'taxi'"),
         ({"tracks": [([], []), ([0], [[1.0]])]}, "tracks[1][0] has 1 coordinates, expected 2"),
         ({"truth": [([0, 0], [[1.0], [2.0]])]}, "truth[0] has time 0.0 twice"),
     ],
@@ -213,7 +213,7 @@ def test_values_of_the_authors_code(data):
     record = json.loads((data / "mot/values/tgospa_reference.json").read_text())
     for case in record["cases"]:
         sides = oracle_side(case, "x"), oracle_side(case, "y")
-        result = trajectory_gospa(*sides, case["c"], case["p"], case["gamma"], base="p-norm")
+        result = trajectory_gospa(*sides, case["c"], case["p"], case["gamma"], distance="p-norm")
         assert result.distance == pytest.approx(case["dxy"], rel=9e-7)
         names = ("loc", "miss", "fa", "switch")
         for part, name in zip(result.totals().values(), names, strict=True):

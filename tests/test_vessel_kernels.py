@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from trackmetrics import _native, _numpy
-from trackmetrics._numpy.vessel import KNOT, degree, noise
+from trackmetrics._numpy.vessel_motion import KNOT, degree, noise
 
 CONSTANT = (1e-3, 1e-7, 1e-6, np.inf)
 MOTIONS = st.tuples(

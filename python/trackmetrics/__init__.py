@@ -75,16 +75,14 @@ from trackmetrics.consistency import (
     whiteness,
     whiteness_across_runs,
 )
-from trackmetrics.mospa import (
-    calc_mospa_error,
-    mmospa2tar_2d,
-    mmospa_approx,
-)
 from trackmetrics.point_sets import (
     Mahalanobis,
+    calc_mospa_error,
     gospa,
     gospa_from_distances,
     gospa_over_time,
+    mmospa2tar_2d,
+    mmospa_approx,
     ospa,
     ospa_assignment,
     ospa_from_distances,

@@ -1,8 +1,10 @@
-"""Chooses the Rust kernels or their NumPy twins; the only importer of either.
+"""Chooses the Rust kernels or their NumPy reference implementations; the only importer of either.
 
-``kernels`` is the module in use. A room calls ``_backend.kernels.f(...)``, so that a change of
+``kernels`` is the module in use. A public function calls ``_backend.kernels.f(...)``, so that a
+change of
 backend is seen at the next call. ``TRACKMETRICS_BACKEND`` asks for one by name; without it the Rust
-kernels are taken, and their twins where the package was built without an extension. A backend that
+kernels are taken, and their reference implementations where the package was built without an
+extension. A backend that
 was asked for and is missing, an extension that does not load, or one of another build, is an error
 and never a silent fallback.
 """
@@ -80,7 +82,7 @@ def set_threads(count: int) -> None:
     The environment variable ``TRACKMETRICS_THREADS`` sets the same at import. Results have the same
     bits with one thread or with many.
     """
-    from trackmetrics import _check  # it imports NumPy, which choosing a backend does not owe
+    from trackmetrics import _check  # only needed here: it imports NumPy
 
     threads = _check.whole("count", count)
     if not 0 <= threads < 2**31:

@@ -68,7 +68,7 @@ def _numbered(index: int, value: Any) -> Floats:
     try:
         return cost_matrix(value)
     except (TypeError, ValueError) as error:
-        raise errors.matrix(index, error) from None
+        raise errors.in_matrix(index, error) from None
 
 
 def points(argument: str, values: Any, dimension: int | None = None) -> Floats:
@@ -187,7 +187,7 @@ def periods(angles: Mapping[int, float] | None, covariance: Any) -> Floats | Non
     array = np.zeros(d)
     for place, (index, period) in enumerate(angles.items()):
         if not -d <= index < d:
-            raise errors.outside("angles", place, index, d)
+            raise errors.index_out_of_range("angles", place, index, d)
         if not 0 < period < math.inf:
             raise errors.element("angles", [index], "positive and finite", period)
         array[index] = period
@@ -284,5 +284,5 @@ def axis_of(array: Floats, axis: Any) -> int:
     """An axis that the array has."""
     found = whole("axis", axis)
     if not -array.ndim <= found < array.ndim:
-        raise errors.axis(found, array.ndim)
+        raise errors.axis_out_of_range(found, array.ndim)
     return found

@@ -24,22 +24,22 @@ def special() -> ModuleType:
 
 
 def chi2_quantile(probability: Any, dof: Any) -> Any:
-    """The value that a chi-square of ``dof`` degrees of freedom stays below so often."""
+    """Quantile of the chi-square distribution."""
     return 2 * special().gammaincinv(0.5 * dof, probability)
 
 
 def chi2_isf(probability: Any, dof: Any) -> Any:
-    """The value that a chi-square exceeds so often; keeps its digits for small probabilities."""
+    """Upper quantile of the chi-square distribution; keeps its digits for small probabilities."""
     return 2 * special().gammainccinv(0.5 * dof, probability)
 
 
 def chi2_cdf(value: Any, dof: Any) -> Any:
-    """How often a chi-square stays below ``value``."""
+    """Lower tail probability of the chi-square distribution."""
     return special().gammainc(0.5 * dof, 0.5 * value)
 
 
 def chi2_sf(value: Any, dof: Any) -> Any:
-    """How often a chi-square exceeds ``value``."""
+    """Upper tail probability of the chi-square distribution."""
     return special().gammaincc(0.5 * dof, 0.5 * value)
 
 
@@ -50,30 +50,30 @@ def chi2_interval(dof: Any, confidence: float) -> tuple[Any, Any]:
 
 
 def chi2_p_value(value: Any, dof: Any) -> Any:
-    """Two-sided: how often a chi-square is as far out, on either side."""
+    """Two-sided p-value of a chi-square value."""
     return np.minimum(1.0, 2 * np.minimum(chi2_cdf(value, dof), chi2_sf(value, dof)))
 
 
 def f_sf(ratio: Any, dof: Any, other: Any) -> Floats:
-    """Chance that an F value is larger."""
+    """Upper tail probability of the F distribution."""
     tail: Floats = special().fdtrc(dof, other, ratio)
     return tail
 
 
 def normal_p_value(z: Any) -> Floats:
-    """Chance that a normal value is further from 0."""
+    """Two-sided p-value of a standard normal value."""
     tail: Floats = 2.0 * special().ndtr(-np.abs(z))
     return tail
 
 
 def t_p_value(t: Any, dof: Any) -> Floats:
-    """Chance that a Student value is further from 0."""
+    """Two-sided p-value of a t value."""
     tail: Floats = 2.0 * special().stdtr(dof, -np.abs(t))
     return tail
 
 
 def chi2_to_z(values: Floats, dof: Floats) -> Floats:
-    """Standard normal values at the same chance as these chi-square values."""
+    """Standard normal values with the same lower tail probability as these chi-square values."""
     scores: Floats = special().ndtri(np.clip(chi2_cdf(values, dof), 1e-12, 1.0 - 1e-12))
     return scores
 
@@ -90,7 +90,7 @@ def wilson_hilferty_z(ratios: Floats, dof: Floats) -> Floats:
 
 
 def pearson3_to_z(value: float, skewness: float) -> float:
-    """Standard normal value at the same chance as this one, of mean 0, variance 1 and a skewness.
+    """Standard normal value with the tail probability of a Pearson III value of unit variance.
 
     By the chi-square of that skewness, moved and scaled (Pearson's type III); 0 is the normal.
     """
@@ -111,3 +111,27 @@ def holm(p_values: Floats) -> Floats:
     corrected = np.empty_like(p_values)
     corrected[order] = np.minimum(1.0, np.maximum.accumulate(stepped))
     return corrected
+
+
+def normal_quantile(probability: Any) -> Any:
+    """The value that a standard normal variable stays below with this probability."""
+    return special().ndtri(probability)
+
+
+def clopper_pearson(hits: Any, trials: Any, confidence: float) -> tuple[Floats, Floats]:
+    """Exact interval of a probability from ``hits`` out of ``trials``; NaN without trials."""
+    k, n = np.asarray(hits, np.float64), np.asarray(trials, np.float64)
+    tail = (1 - confidence) / 2
+    lower = np.where(k > 0, special().betaincinv(np.maximum(k, 1), n - k + 1, tail), 0.0)
+    upper = np.where(k < n, special().betaincinv(k + 1, np.maximum(n - k, 1), 1 - tail), 1.0)
+    none = n == 0
+    return np.where(none, np.nan, lower), np.where(none, np.nan, upper)
+
+
+DECIBELS = 10.0 / np.log(10.0)
+"""Decibels per natural logarithm."""
+
+
+def chi2_log_mean(dof: Any) -> Any:
+    """Mean of the natural logarithm of a chi-square variable: ``ln 2 + digamma(dof / 2)``."""
+    return np.log(2.0) + special().digamma(dof / 2)

@@ -1,4 +1,4 @@
-"""Who is matched with whom: at the least total cost, or at the smallest largest cost."""
+"""Assignment: pairs at the least total cost, or with the smallest largest cost."""
 
 from typing import Any
 
@@ -214,7 +214,7 @@ def bottleneck_assignment(cost_matrix: Any) -> BottleneckAssignment:
 
     Notes
     -----
-    The cost is unique, the pairs are in general not: all that is promised of them is that none
+    The cost is unique, the pairs are in general not: the only guarantee is that none
     costs more. OSPA of order ``p = inf`` is a bottleneck assignment.
 
     References

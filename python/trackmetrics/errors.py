@@ -7,26 +7,28 @@ other, so that a message does not depend on the backend.
 from collections.abc import Sequence
 
 
-class NotPlain(TypeError):  # noqa: N818 - a signal between two floors, not a user's error
+class NotPlain(TypeError):  # noqa: N818 - a signal between two layers, not a user's error
     """An argument is not in the form that a kernel reads by itself.
 
     Internal: the public function converts the argument and calls the kernel again.
     """
 
 
-def place(index: Sequence[int]) -> str:
+def format_index(index: Sequence[int]) -> str:
     """An index as Python writes it: ``[3][1]``."""
     return "".join(f"[{i}]" for i in index)
 
 
 def not_finite(argument: str, index: Sequence[int], value: float) -> ValueError:
     """A value that must be finite is not."""
-    return ValueError(f"{argument}{place(index)} is not finite: {float(value)!r}")
+    return ValueError(f"{argument}{format_index(index)} is not finite: {float(value)!r}")
 
 
 def dimension(argument: str, index: Sequence[int], found: int, expected: int) -> ValueError:
     """A point has another number of coordinates than the points before it."""
-    return ValueError(f"{argument}{place(index)} has {found} coordinates, expected {expected}")
+    return ValueError(
+        f"{argument}{format_index(index)} has {found} coordinates, expected {expected}"
+    )
 
 
 def parameter(argument: str, requirement: str, value: float) -> ValueError:
@@ -51,15 +53,17 @@ def empty(argument: str) -> ValueError:
 
 def element(argument: str, index: Sequence[int], requirement: str, value: float) -> ValueError:
     """A number of an array outside the range that the definition allows."""
-    return ValueError(f"{argument}{place(index)} must be {requirement}, got {float(value)!r}")
+    return ValueError(
+        f"{argument}{format_index(index)} must be {requirement}, got {float(value)!r}"
+    )
 
 
-def axis(found: int, axes: int) -> ValueError:
+def axis_out_of_range(found: int, axes: int) -> ValueError:
     """An axis that the array does not have, or that was named before."""
     return ValueError(f"axis must be among the {axes} axes of the array, each once, got {found}")
 
 
-def outside(argument: str, place: int, found: int, length: int) -> ValueError:
+def index_out_of_range(argument: str, place: int, found: int, length: int) -> ValueError:
     """An index that is outside what it points into."""
     return ValueError(f"{argument}[{place}] is {found}, the state has {length} components")
 
@@ -72,7 +76,7 @@ def offsets(argument: str, points: int) -> ValueError:
 def not_symmetric(argument: str, index: Sequence[int], row: int, column: int) -> ValueError:
     """A covariance whose two triangles disagree."""
     return ValueError(
-        f"{argument}{place(index)} is not symmetric: "
+        f"{argument}{format_index(index)} is not symmetric: "
         f"elements [{row}, {column}] and [{column}, {row}] differ"
     )
 
@@ -81,7 +85,9 @@ def not_positive_definite(argument: str, index: Sequence[int], minor: int) -> Va
     """A covariance that is not positive definite."""
     from numpy.linalg import LinAlgError
 
-    return LinAlgError(f"{argument}{place(index)} is not positive definite (leading minor {minor})")
+    return LinAlgError(
+        f"{argument}{format_index(index)} is not positive definite (leading minor {minor})"
+    )
 
 
 def not_a_matrix(axes: int) -> ValueError:
@@ -89,14 +95,14 @@ def not_a_matrix(axes: int) -> ValueError:
     return ValueError(f"expected a matrix (2-D array), got a {axes} array")
 
 
-def memory(pairs: int, size: int) -> ValueError:
+def too_many_pairs(pairs: int, size: int) -> ValueError:
     """More pairs of points than fit into memory."""
     return ValueError(
         f"{pairs} pairs of points would take {size} bytes: take a smaller c or fewer points"
     )
 
 
-def steps(argument: str, index: int) -> ValueError:
+def steps_not_increasing(argument: str, index: int) -> ValueError:
     """The steps of a trajectory do not rise."""
     return ValueError(f"{argument}[{index}]: steps must rise")
 
@@ -106,7 +112,7 @@ def invalid_costs() -> ValueError:
     return ValueError("matrix contains invalid numeric entries")
 
 
-def matrix(index: int, error: Exception) -> Exception:
+def in_matrix(index: int, error: Exception) -> Exception:
     """One of many cost matrices cannot be used."""
     return type(error)(f"costs[{index}]: {error}")
 

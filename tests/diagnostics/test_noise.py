@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import trackmetrics
-from trackmetrics.diagnostics import EstimatorLog, LinearModel, estimate_noise, read_log
+from trackmetrics.diagnostics import LinearModel, estimate_noise
 from trackmetrics.diagnostics._noise_fit import ErrorModel, Profile, maximise, tail_scales
 from trackmetrics.diagnostics._noise_model import log_model
+from trackmetrics.logs import EstimatorLog, read_log
 
 
 def random_model(rng, n, m, updates, tracks=1, types=1, groups=1, missing=0.0, periods=False):

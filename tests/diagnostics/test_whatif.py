@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from trackmetrics.diagnostics import EstimatorLog, estimate_noise, whatif
+from trackmetrics.diagnostics import estimate_noise, whatif
+from trackmetrics.logs import EstimatorLog
 
 
 def run(z, q=4.0, r=9.0):

@@ -14,15 +14,14 @@ from trackmetrics.diagnostics import (
     VERDICTS,
     Bias,
     Diagnosis,
-    EstimatorLog,
     Outlier,
     QuantityVerdict,
     Segment,
-    State,
     StateDiagnosis,
     Whiteness,
     diagnose,
 )
+from trackmetrics.logs import EstimatorLog, State
 
 STATES = (
     State("lat", "deg"),
@@ -35,7 +34,7 @@ FULL, SHORT = "AISMeasurement", "PositionMeasurement"
 
 
 def synthetic_log(tracks, updates=60, seed=1, states=STATES):
-    """Honest noise, apart from every third track, whose errors grow late."""
+    """Noise of consistent filters, apart from every third track, whose errors grow late."""
     rng = np.random.default_rng(seed)
     n, parts = len(states), []
     for i in range(tracks):
@@ -228,7 +227,7 @@ def fleet():
 @pytest.fixture(scope="session")
 def fleet_page(fleet):
     """Its page."""
-    return report.page(fleet[1], fleet[0])
+    return report.render_page(fleet[1], fleet[0])
 
 
 @pytest.fixture

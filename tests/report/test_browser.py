@@ -37,7 +37,7 @@ def until(browser, condition):
         if browser.execute_script(f"return Boolean({condition})"):
             return
         time.sleep(0.05)
-    trouble = browser.execute_script("return document.querySelector('#trouble').textContent")
+    trouble = browser.execute_script("return document.querySelector('#message').textContent")
     pytest.fail(f"never came true: {condition}; {trouble}")
 
 
@@ -86,7 +86,7 @@ def check_page(browser, diagnosis):
     assert [s.text.split(" ", 1)[1] for s in shown] == [t.verdict.replace("_", " ") for t in worst]
     assert sorted(tracks_drawn(browser)) == sorted(t.track for t in worst[:8])
     first = worst[0].track
-    until(browser, "document.querySelector('#track-0 .sheet .main-svg')")
+    until(browser, "document.querySelector('#track-0 .track-figure .main-svg')")
     switch(browser, first)
     time.sleep(0.2)
     assert first not in tracks_drawn(browser)

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from trackmetrics import report
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
+from trackmetrics.diagnostics import Diagnosis, diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.scene import Points
 from trackmetrics.report.track_scene import track_scene
-from trackmetrics.report.track_view import subjects
+from trackmetrics.report.track_view import track_views
 
 BACKENDS = ("matplotlib", "plotly")
 
@@ -38,7 +39,7 @@ def test_a_track_shows_everything_with_its_units(small, backend, dark):
     log, diagnosis = small
     figure = report.track_figure(diagnosis, log, "vessel 000", backend=backend, dark=dark)
     x, y = axes_labels(figure, backend)
-    assert {"NIS / dof", "NEES / 5", "support", "sog (kt)", "turn_rate (deg/s)"} <= set(y)
+    assert {"NIS / dof", "NEES / 5", "type", "sog (kt)", "turn_rate (deg/s)"} <= set(y)
     assert y.count("σ / reference") == y.count("error / σ") == 5
     assert "minutes since start, 2023-11-14 22:16:20 UTC" in x
     said = " ".join(words_of(figure, backend))
@@ -76,16 +77,16 @@ def test_both_libraries_draw_every_update_once(small):
 
 def test_values_and_intervals_are_those_of_the_log(small):
     log, diagnosis = small
-    subject = subjects(diagnosis, log)[0]
-    panel = track_scene(subject).panels[0]
-    rows = log[subject.track.track]
+    view = track_views(diagnosis, log)[0]
+    panel = track_scene(view).panels[0]
+    rows = log[view.track.track]
     good = np.isfinite(rows.nis)
-    drawn = [m for m in panel.marks if isinstance(m, Points) and m.name != "outlier"]
+    drawn = [m for m in panel.primitives if isinstance(m, Points) and m.name != "outlier"]
     x, y = (np.concatenate([getattr(m, side) for m in drawn]) for side in "xy")
     order = np.argsort(x)
     np.testing.assert_allclose(y[order], (rows.nis / rows.nis_dof)[good])
     np.testing.assert_allclose(x[order], (rows.time[good] - log.columns.time.min()) / 60)
-    bars = next(m for m in panel.marks if type(m).__name__ == "Bars")
+    bars = next(m for m in panel.primitives if type(m).__name__ == "ErrorBars")
     four = rows.nis_dof[good] == 4
     np.testing.assert_allclose(bars.high[four], 11.143286781877796 / 4)
     np.testing.assert_allclose(bars.low[~four], 0.05063561596857975 / 2)
@@ -93,8 +94,8 @@ def test_values_and_intervals_are_those_of_the_log(small):
 
 def test_tentative_updates_are_hollow(small):
     log, diagnosis = small
-    panels = track_scene(subjects(diagnosis, log)[0]).panels
-    hollow = [m for m in panels[1].marks if isinstance(m, Points) and m.hollow]
+    panels = track_scene(track_views(diagnosis, log)[0]).panels
+    hollow = [m for m in panels[1].primitives if isinstance(m, Points) and m.hollow]
     assert sum(len(m.x) for m in hollow) == 2
 
 
@@ -172,7 +173,7 @@ def test_figures_do_not_touch_the_state_of_pyplot(small):
 def test_plotly_figures_hold_colours_and_no_roles(small):
     text = report.track_figure(small[1], small[0], "vessel 000", backend="plotly").to_json()
     assert not re.search(r'"@[a-z]', text)
-    scene = track_scene(subjects(small[1], small[0])[0])
+    scene = track_scene(track_views(small[1], small[0])[0])
     roles = set(re.findall(r'"@([a-z0-9-]+)', str(draw_plotly.figure(scene)).replace("'", '"')))
     assert roles <= set(theme.LIGHT.colours)
     assert theme.LIGHT.colours.keys() == theme.DARK.colours.keys()
@@ -183,7 +184,7 @@ def test_names_are_shown_as_they_are():
     log = EstimatorLog.from_columns(track=[name] * 9, nis=[1.0, 2.0, 3.0] * 3, nis_dof=2)
     figure = report.overview_figure(diagnose(log), log, backend="plotly")
     assert list(figure.layout.yaxis.ticktext) == ["&lt;b&gt;a &amp; b&lt;/b&gt; %&#123;x}"]
-    assert "<b>a" not in report.page(diagnose(log), log)
+    assert "<b>a" not in report.render_page(diagnose(log), log)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from trackmetrics import report
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
+from trackmetrics.diagnostics import Diagnosis, diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import theme
 from trackmetrics.vessel import HeldOut
 
@@ -58,7 +59,7 @@ def unpacked(document, name):
 
 @pytest.fixture(scope="module")
 def html(small):
-    return report.page(small[1], small[0], title="Four <vessels> & a page")
+    return report.render_page(small[1], small[0], title="Four <vessels> & a page")
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +111,7 @@ def test_every_part_unpacks_to_figures_that_plotly_accepts(small, document):
         part = unpacked(document, f"data-{index}")
         from trackmetrics.report.draw_plotly import coloured
 
-        figure = go.Figure(coloured(part["sheet"], theme.LIGHT))
+        figure = go.Figure(coloured(part["track"], theme.LIGHT))
         start = "minutes since start, 2023-11-14 22:16:20 UTC"
         assert figure.layout.xaxis3.title.text == start
         assert all(trace["name"] == track.track for trace in part["comparison"])
@@ -146,15 +147,15 @@ def test_the_same_diagnosis_gives_the_same_file(small, html, tmp_path):
 @pytest.mark.data
 def test_states_that_are_published_alone_have_their_panels(published):
     log, diagnosis = published
-    document = Document(report.page(diagnosis, log))
+    document = Document(report.render_page(diagnosis, log))
     for index, track in enumerate(diagnosis.by_severity()):
-        sheet, rows = unpacked(document, f"data-{index}")["sheet"], log[track.track]
-        titles = [a["text"] for a in sheet["layout"]["annotations"]]
+        figure, rows = unpacked(document, f"data-{index}")["track"], log[track.track]
+        titles = [a["text"] for a in figure["layout"]["annotations"]]
         assert titles.count("not in the log") == 6
-        estimates = [t for t in sheet["data"] if t["name"] == "estimate"]
+        estimates = [t for t in figure["data"] if t["name"] == "estimate"]
         assert len(estimates) == 2
         np.testing.assert_allclose(estimates[0]["y"], rows.x[:, 2], atol=1e-3)
-        measured = sum(len(t["y"]) for t in sheet["data"] if t["name"].startswith("measured"))
+        measured = sum(len(t["y"]) for t in figure["data"] if t["name"].startswith("measured"))
         assert measured == 2 * (rows.measurement_type == "AISMeasurement").sum()
 
 
@@ -166,16 +167,16 @@ def test_updates_that_lack_components_are_small_in_the_support_strip():
         innovation=innovation, S=np.tile(np.eye(2), (30, 1, 1)), measurement_type="radar"
     )
     diagnosis = diagnose(log)
-    document = Document(report.page(diagnosis, log))
-    sheet = unpacked(document, "data-0")["sheet"]
-    sizes = {t["name"]: len(t["x"]) for t in sheet["data"] if t["yaxis"] == "y2"}
+    document = Document(report.render_page(diagnosis, log))
+    figure = unpacked(document, "data-0")["track"]
+    sizes = {t["name"]: len(t["x"]) for t in figure["data"] if t["yaxis"] == "y2"}
     assert sizes == {"radar": 20, "radar, some components missing": 10}
     assert "10 innovations lack components" in diagnosis["track"].text
 
 
 def test_without_a_log_and_without_tracks(small):
-    assert "late divergence" in report.page(small[1])
-    empty = report.page(Diagnosis((), ("the log looks odd <",)))
+    assert "late divergence" in report.render_page(small[1])
+    empty = report.render_page(Diagnosis((), ("the log looks odd <",)))
     assert "0 tracks" in empty
     assert "the log looks odd &lt;" in empty
 
@@ -193,7 +194,7 @@ def predicted(small):
 
 
 def test_reports_left_out_have_a_section(small, predicted):
-    document = Document(report.page(small[1], small[0], held_out=predicted))
+    document = Document(report.render_page(small[1], small[0], held_out=predicted))
     assert document.stack == []
     (table,) = document.find("table", id="predictions")
     text = " ".join("".join(table[2]).split())
@@ -210,5 +211,5 @@ def test_reports_left_out_have_a_section(small, predicted):
 def test_a_section_of_predictions_only_where_there_are_some(document, small, predicted):
     assert not document.find("table", id="predictions")
     elsewhere = {"vessel 999": predicted["vessel 001"]}
-    page = Document(report.page(small[1], small[0], held_out=elsewhere))
+    page = Document(report.render_page(small[1], small[0], held_out=elsewhere))
     assert not page.find("table", id="predictions")

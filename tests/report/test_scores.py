@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trackmetrics import ospa, report
-from trackmetrics.diagnostics import State
+from trackmetrics.logs import State
 from trackmetrics.report.scene import Band, Line
 from trackmetrics.report.score_scenes import gospa_scene
 
@@ -63,12 +63,12 @@ def test_gospa(backend):
 
 def test_the_parts_of_gospa_stand_on_each_other():
     scene = gospa_scene(gospa(), None, "m", 2.0, "")
-    bands = [mark for mark in scene.panels[1].marks if isinstance(mark, Band)]
+    bands = [primitive for primitive in scene.panels[1].primitives if isinstance(primitive, Band)]
     np.testing.assert_allclose(bands[1].low, bands[0].high)
     np.testing.assert_allclose(bands[2].low, bands[1].high)
     np.testing.assert_allclose(np.sqrt(bands[2].high), gospa().distance)
     each = [SimpleNamespace(distance=2.0, localization=4.0, missed=0.0, false=0.0)] * 3
-    assert len(gospa_scene(each, None, "m", 2.0, "").panels[0].marks[0].y) == 3
+    assert len(gospa_scene(each, None, "m", 2.0, "").panels[0].primitives[0].y) == 3
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -95,16 +95,16 @@ def test_coverage(backend):
     p = np.arange(1, 100) / 100
     curve = SimpleNamespace(probability=p, share=p**1.2, lower=p - 0.1, upper=p + 0.1, count=300)
     figure = report.coverage_figure(curve, backend=backend)
-    wanted = (["share that the region promises"], ["share of errors inside"])
+    wanted = (["nominal probability"], ["fraction of errors inside"])
     assert labels(figure, backend) == wanted
-    assert listed(figure, backend) == ["interval", "honest", "share inside"]
+    assert listed(figure, backend) == ["interval", "consistent", "observed"]
 
 
 def test_lines_keep_their_gaps():
     results = gospa()
     results.distance[2] = np.nan
     scene = gospa_scene(results, None, "m", 2.0, "")
-    (line,) = [mark for mark in scene.panels[0].marks if isinstance(mark, Line)]
+    (line,) = [primitive for primitive in scene.panels[0].primitives if isinstance(primitive, Line)]
     assert np.isnan(line.y[2])
     for backend in BACKENDS:
         report.gospa_figure(results, backend=backend)

@@ -85,8 +85,8 @@ def test_everything_is_legible(chosen):
 def test_every_verdict_has_a_colour_a_shape_and_words():
     for verdict in VERDICTS:
         assert theme.verdict_role(verdict) in theme.LIGHT.colours
-        assert theme.glyph(verdict)
-        assert "_" not in theme.words(verdict)
+        assert theme.verdict_symbol(verdict)
+        assert "_" not in theme.verdict_label(verdict)
 
 
 def test_a_role_with_an_opacity():

@@ -1,7 +1,8 @@
-"""The NumPy twins of the Rust kernels: same names, same parameters, same errors, same numbers.
+"""The NumPy reference implementations of the Rust kernels: same names, same parameters, same
+errors, same numbers.
 
-Each is short enough to be the explanation of its kernel. The files are the rooms of the Rust core,
-so the listing of this folder is the list of kernels.
+Each is short enough to be the explanation of its kernel. The files are the modules of the Rust
+core, so the listing of this folder is the list of kernels.
 """
 
 from trackmetrics._numpy.accuracy import (

@@ -1,4 +1,4 @@
-"""Root mean square errors: twin of ``accuracy`` in the core."""
+"""Root mean square errors: reference implementation of ``accuracy`` in the core."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -69,7 +69,7 @@ def _rmse_of(
     d = true_states.shape[-1]
     for place, index in enumerate(indices):
         if not -d <= index < d:
-            raise messages.outside(argument, place, index, d)
+            raise messages.index_out_of_range(argument, place, index, d)
     if true_states.size == 0:
         raise messages.empty("true_states")
     with np.errstate(all="ignore"):
@@ -91,7 +91,7 @@ def _averaged(count: int, axes: Sequence[int] | None) -> tuple[int, ...]:
     averaged: list[int] = []
     for axis in range(count) if axes is None else axes:
         if not -count <= axis < count or axis % count in averaged:
-            raise messages.axis(axis, count)
+            raise messages.axis_out_of_range(axis, count)
         averaged.append(axis % count)
     return tuple(averaged)
 

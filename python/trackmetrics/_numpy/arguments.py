@@ -1,4 +1,4 @@
-"""Argument checks that every twin shares; the Rust core does the same where it borrows."""
+"""Argument checks that every reference shares; the Rust core does the same where it borrows."""
 
 from itertools import pairwise
 from typing import Any

@@ -1,4 +1,4 @@
-"""Who is matched with whom: twin of ``assignment`` in the core."""
+"""Assignment: reference implementation of ``assignment`` in the core."""
 
 from collections.abc import Callable
 from typing import Any
@@ -38,7 +38,7 @@ def linear_sum_assignment_batch(costs: Any, maximize: object) -> Any:
         try:
             found.append(linear_sum_assignment(matrix, maximize))
         except ValueError as error:
-            raise errors.matrix(index, error) from None
+            raise errors.in_matrix(index, error) from None
     if listed:
         return found
     shape = len(costs), min(costs.shape[1:])

@@ -1,4 +1,5 @@
-"""Quadratic forms of many small covariances: twin of ``consistency`` in the core.
+"""Quadratic forms of many small covariances: reference implementation of ``consistency`` in the
+core.
 
 e' P^-1 e through P = L D L', column after column and all covariances at once.
 """

@@ -1,4 +1,4 @@
-"""Where a scale changes and which state an error sits in: twins of ``diagnostics`` in the core."""
+"""Changes of scale and attribution to states: reference of ``diagnostics`` in the core."""
 
 from itertools import pairwise
 from math import factorial
@@ -172,7 +172,7 @@ def _views(factors: Floats, known: Integers | None) -> list[Floats]:
 
 
 def _best(sums: Floats, dof: Floats) -> Floats:
-    """-M ln(N / M): twice the best log-likelihood of a stretch, up to terms of the data alone."""
+    """-M ln(N / M): twice the best log-likelihood of a segment, up to terms of the data alone."""
     likelihood: Floats = -dof * np.log(np.maximum(sums / dof, 1e-12))
     return likelihood
 

@@ -1,4 +1,4 @@
-"""Matrices of distances between two sets: twin of ``point_sets::distances`` in the core."""
+"""Matrices of distances between two sets: reference of ``point_sets::distances`` in the core."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ from trackmetrics._numpy.arguments import Floats, finite, plain, plain_points
 EARTH_RADIUS = 6_371_008.8
 SYMMETRY = 1e-8
 LARGEST = 1 << 24
-"""Pairs of points that the twins take: they are the definition over a matrix of all of them."""
+"""Most pairs of points that the reference takes: it computes the matrix of all of them."""
 
 
 def squares(x: Floats, y: Floats) -> Floats:
     """Squared Euclidean distances, axis after axis as in the core."""
     if len(x) * len(y) > LARGEST:
-        raise errors.memory(len(x) * len(y), 8 * len(x) * len(y))
+        raise errors.too_many_pairs(len(x) * len(y), 8 * len(x) * len(y))
     sums = np.zeros((len(x), len(y)))
     if sums.size:
         with np.errstate(over="ignore", under="ignore"):

@@ -1,4 +1,5 @@
-"""Reductions over many runs, the same bits however they are cut: twin of ``monte_carlo``.
+"""Reductions over many runs, the same bits however they are cut: reference implementation of
+``monte_carlo``.
 
 A node (start, level) is the sum of the runs start .. start + 2^level, left half plus right half;
 any interval of runs is at most 2 log2 N of them.

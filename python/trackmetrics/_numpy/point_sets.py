@@ -1,4 +1,4 @@
-"""Distances between finite sets of points: twin of ``point_sets`` in the core."""
+"""Distances between finite sets of points: reference of ``point_sets`` in the core."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The twin computes on one thread with whatever NumPy uses."""
+"""The reference implementation computes on one thread with whatever NumPy uses."""
 
 
 def threads() -> int:

@@ -1,4 +1,4 @@
-"""Scores over the identities of tracks: twin of ``tracking`` in the core."""
+"""Scores over the identities of tracks: reference implementation of ``tracking`` in the core."""
 
 from typing import Any
 

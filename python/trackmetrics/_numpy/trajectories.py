@@ -1,4 +1,4 @@
-"""Distances between sets of trajectories: twin of ``trajectories`` in the core."""
+"""Distances between sets of trajectories: reference of ``trajectories`` in the core."""
 
 import math
 from typing import Any
@@ -48,7 +48,7 @@ def _trajectories(argument: str, packed: Any, steps: Ids) -> list[Trajectory]:
     split = np.split(steps, packed[1][1:-1]) if states else []
     for i, part in enumerate(split):
         if (np.diff(part) <= 0).any():
-            raise errors.steps(argument, i)
+            raise errors.steps_not_increasing(argument, i)
     return list(zip(split, states, strict=True))
 
 

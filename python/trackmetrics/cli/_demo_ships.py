@@ -1,35 +1,37 @@
-"""The ships of the demo: simulated, tracked, diagnosed, on one page."""
+"""The three ships of the demo: simulated, tracked, diagnosed, on one page."""
 
-import argparse
 import time
 
-from trackmetrics.cli._output import print_verdicts, write_html
+from trackmetrics.cli._output import Output, write_diagnosis_page
+from trackmetrics.cli._renamed_options import VALUES
+from trackmetrics.cli._verdicts import diagnosis_table, most_severe
 from trackmetrics.diagnostics import diagnose
 from trackmetrics.vessel import three_ships
 
+# The library has the old names of these two.
+NOISE = {new: old for old, new in VALUES["demo"]["--noise"].items()}
 
-def run(arguments: argparse.Namespace) -> int:
+
+def run_ships(output: Output, noise: str, page: str | None, seed: int) -> None:
     """Simulate, track, diagnose; print the verdicts and write the page."""
     start = time.perf_counter()
-    simulation = three_ships(arguments.seed, arguments.noise)
+    simulation = three_ships(seed, NOISE[noise])
     log = simulation.track()
     diagnosis = diagnose(log)
     seconds = time.perf_counter() - start
-    print(
-        f"three ships, {len(log)} updates, {arguments.noise} noise, seed {arguments.seed}: "
-        f"simulated, tracked and diagnosed in {seconds:.2f} s\n"
+    output.message(
+        f"three ships, {len(log)} updates, {noise} noise, seed {seed}: "
+        f"simulated, tracked and diagnosed in {seconds:.2f} s"
     )
-    print_verdicts(diagnosis)
-    page = arguments.html
+    output.write(diagnosis_table(diagnosis), content=diagnosis, after=most_severe(diagnosis))
     if page is None and not _can_write_pages():
-        print("\nno page: it needs the extra report (pip install 'trackmetrics[report]')")
+        output.message("no page: it needs the extra report (pip install 'trackmetrics[report]')")
     elif page != "":
-        write_html(page or "demo.html", diagnosis, log, "Three ships")
-    return 0
+        write_diagnosis_page(output, page or "demo.html", diagnosis, log, title="Three ships")
 
 
 def _can_write_pages() -> bool:
-    """Whether what the page is made with is installed."""
+    """Whether the libraries of the page are installed."""
     from importlib.util import find_spec
 
     return all(find_spec(name) for name in ("jinja2", "plotly", "matplotlib"))

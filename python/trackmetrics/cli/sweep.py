@@ -1,88 +1,119 @@
 """``trackmetrics sweep MODULE:FUNCTION``: a Monte Carlo sweep from the command line."""
 
-import argparse
 import ast
-import json
 import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from trackmetrics.monte_carlo import SweepInterrupted, SweepResult, sweep
+import click
 
-_EXPLANATION = """
-Calls FUNCTION(rng, **settings) of MODULE for every run and setting, and prints ANEES and the scores
-of each setting with 95 % intervals, and the best setting. FUNCTION is one run: it returns a mapping
-with truth, estimates and covariances as arrays over steps, and any numbers as scores.
-"""
+from trackmetrics._format import number
+from trackmetrics.cli._output import Command, Output, output_options
+from trackmetrics.cli._table import Column, Table
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Says what the command takes."""
-    parser.description = _EXPLANATION
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument("simulate", metavar="MODULE:FUNCTION", help="one run")
-    parser.add_argument("--runs", type=int, default=1000, help="runs of each setting (1000)")
-    parser.add_argument("--seed", type=int, default=0, help="decides every random number (0)")
-    parser.add_argument(
-        "--grid",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE,...",
-        help="values of a parameter; may be given for several",
-    )
-    parser.add_argument("--workers", type=int, help="processes to spread the runs over")
-    parser.add_argument("--chunk", type=int, help="runs of a job")
-    parser.add_argument("--checkpoint", metavar="FOLDER", help="keeps what is done, to go on from")
-    parser.add_argument("--collect", action="store_true", help="list runs that fail, and go on")
-    parser.add_argument("--best", default="anees", metavar="CRITERION", help="of the best setting")
-    parser.add_argument("--format", choices=["table", "json"], default="table")
-    parser.add_argument("--parquet", metavar="FILE", help="writes every setting and step")
-    parser.add_argument("--html", metavar="FILE", help="writes the figures as a page")
+@click.command(
+    cls=Command,
+    examples="""
+    trackmetrics sweep tune_cv_filter:simulate --runs 1000 --grid q=0.01,0.1,1
+    trackmetrics sweep tune_cv_filter:simulate --workers 2 --checkpoint s.ckpt --html out.html
+    """,
+)
+@click.argument("simulate", metavar="MODULE:FUNCTION")
+@click.option("--runs", default=1000, show_default=True, help="Runs of each setting.")
+@click.option("--seed", default=0, show_default=True, help="Seed of every random number.")
+@click.option(
+    "--grid",
+    multiple=True,
+    metavar="NAME=VALUE,...",
+    help="Values of a parameter, Python literals or strings; may be given for several.",
+)
+@click.option("--workers", type=int, help="Processes that share the runs.")
+@click.option("--chunk-size", type=int, help="Runs per job.")
+@click.option("--checkpoint", metavar="FOLDER", help="Keeps finished runs, to resume from.")
+@click.option("--keep-going", is_flag=True, help="List runs that fail, and go on.")
+@click.option(
+    "--rank-by",
+    default="anees",
+    show_default=True,
+    metavar="CRITERION",
+    help="What makes a setting the best one.",
+)
+@click.option("--parquet", metavar="FILE", help="Write every setting and step.")
+@click.option("--html", metavar="FILE", help="Write a page with figures.")
+@output_options
+def command(
+    simulate: str,
+    rank_by: str,
+    parquet: str | None,
+    html: str | None,
+    output: Output,
+    **options: Any,
+) -> int:
+    """Run a simulation many times for every setting of a grid, and test its filter.
 
+    Calls FUNCTION(rng, **settings) of MODULE for every run and setting, and prints ANEES and the
+    scores of each setting with 95 % intervals, and the best setting. FUNCTION is one run: it
+    returns a mapping with truth, estimates and covariances as arrays over steps, and any numbers
+    as scores.
+    """
+    from trackmetrics.monte_carlo import SweepInterrupted
 
-def run(arguments: argparse.Namespace) -> int:
-    """Runs the sweep and prints what it found; status 130 where it was interrupted."""
-    simulate = function(arguments.simulate)
-    if arguments.html:
-        import_module("matplotlib")  # a lack is better known before the work than after it
+    function = load_function(simulate)
+    if html:
+        import_module("matplotlib")  # fail before the work, not after it
+        import_module("jinja2")
+    status = 0
     try:
-        result, status = _sweep(simulate, arguments), 0
+        result = _sweep(function, **options)
     except SweepInterrupted as stop:
-        print(f"interrupted {stop}", file=sys.stderr)
+        output.warn(f"trackmetrics sweep: interrupted {stop}")
         result, status = stop.result, 130
     if status and not any(tally.cells for tally in result.tallies):
         return status
-    if arguments.format == "json":
-        print(json.dumps(_content(result, arguments.best), indent=2))
-    else:
-        print("\n".join(_table(result, arguments.best)))
-    if arguments.parquet:
-        result.to_parquet(arguments.parquet)
-    if arguments.html:
-        from trackmetrics.report.sweep_page import write_sweep_page
+    best = _best(result, rank_by)
+    output.write(
+        sweep_table(result, best), content=_content(result, best), after=_remarks(result, best)
+    )
+    if parquet:
+        result.to_parquet(parquet)
+        output.message(f"wrote {parquet}")
+    if html:
+        from trackmetrics.report import write_sweep_page
 
-        best = _best(result, arguments.best)
-        write_sweep_page(arguments.html, result, title=arguments.simulate, best=best)
+        write_sweep_page(html, result, title=simulate, best=best)
+        output.message(f"wrote {html}")
     return status
 
 
-def _sweep(simulate: Any, arguments: argparse.Namespace) -> SweepResult:
+def _sweep(
+    function: Any,
+    runs: int,
+    seed: int,
+    grid: tuple[str, ...],
+    workers: int | None,
+    chunk_size: int | None,
+    checkpoint: str | None,
+    keep_going: bool,
+) -> Any:
+    from trackmetrics.monte_carlo import sweep
+
     return sweep(
-        simulate,
-        arguments.runs,
-        seed=arguments.seed,
-        grid=grid(arguments.grid),
-        executor=None if arguments.workers is None else "processes",
-        workers=arguments.workers,
-        chunk=arguments.chunk,
-        checkpoint=arguments.checkpoint,
-        on_error="collect" if arguments.collect else "raise",
+        function,
+        runs,
+        seed=seed,
+        grid=parse_grid(grid),
+        executor=None if workers is None else "processes",
+        workers=workers,
+        chunk=chunk_size,
+        checkpoint=checkpoint,
+        on_error="collect" if keep_going else "raise",
     )
 
 
-def function(name: str) -> Any:
-    """The function of ``module:function``; a module of the working directory will do."""
+def load_function(name: str) -> Any:
+    """The function of ``module:function``; the module may be in the working directory."""
     module, colon, attribute = name.partition(":")
     if not colon or not module or not attribute:
         raise ValueError(f"expected MODULE:FUNCTION, got {name!r}")
@@ -96,64 +127,67 @@ def function(name: str) -> Any:
     return found
 
 
-def grid(options: list[str]) -> dict[str, list[Any]] | None:
-    """The values of each ``NAME=VALUE,...``: Python literals, or words."""
+def parse_grid(options: Any) -> dict[str, list[Any]] | None:
+    """The values of each ``NAME=VALUE,...``: Python literals or strings."""
     values: dict[str, list[Any]] = {}
     for option in options:
         name, equals, text = option.partition("=")
         if not equals or not name or not text:
             raise ValueError(f"--grid expects NAME=VALUE,..., got {option!r}")
-        values[name] = [_literal(word) for word in text.split(",")]
+        values[name] = [_literal(value.strip()) for value in text.split(",")]
     return values or None
 
 
-def _literal(word: str) -> Any:
+def _literal(text: str) -> Any:
     try:
-        return ast.literal_eval(word.strip())
+        return ast.literal_eval(text)
     except (ValueError, SyntaxError):
-        return word.strip()
+        return text
 
 
-def _content(result: SweepResult, by: str) -> dict[str, Any]:
-    best = _best(result, by)
+def _best(result: Any, rank_by: str) -> Any:
+    """The best setting; None by default if the runs gave no truth."""
+    if rank_by == "anees" and "nees" not in result.scores:
+        return None
+    return result.best(rank_by)
+
+
+def _content(result: Any, best: Any) -> dict[str, Any]:
     return {**result.to_dict(), "best": None if best is None else best.to_dict()}
 
 
-def _best(result: SweepResult, by: str) -> Any:
-    """The best setting; none where nobody asked and the runs gave no truth."""
-    if by == "anees" and "nees" not in result.scores:
-        return None
-    return result.best(by)
+def sweep_table(result: Any, best: Any) -> Table:
+    """One row per setting, the best one marked; scores with their intervals."""
+    values = result.to_columns("settings")
+    shown = [*result.grid[0], "runs", *result.scores]
+    columns = [
+        Column(
+            "best",
+            lambda k: best is not None and k == best.index,
+            " ",
+            lambda k: "*" if best is not None and k == best.index else "",
+            style=lambda _: "bold green",
+        )
+    ]
+    columns += [_column(values, name, rank) for rank, name in enumerate(shown)]
+    columns += [_column(values, name, None) for name in values if name not in shown]
+    return Table(columns, range(len(result.grid)))
 
 
-def _table(result: SweepResult, by: str) -> list[str]:
-    """A line for each setting, the best one, and how many runs failed."""
-    columns = result.to_columns("settings")
-    parameters = list(result.grid[0])
-    names = ["runs", *result.scores]
-    rows = [["", *parameters, *names]]
-    for k in range(len(result.grid)):
-        row = [f"{columns[name][k]:g}" if isinstance(columns[name][k], float)
-               else str(columns[name][k]) for name in parameters]  # fmt: skip
-        row += [str(columns["runs"][k])]
-        row += [
-            f"{columns[name][k]:.4g} [{columns[f'{name}_low'][k]:.4g}, "
-            f"{columns[f'{name}_high'][k]:.4g}]"
-            for name in result.scores
-        ]
-        rows.append(["", *row])
-    best = _best(result, by)
-    if best is not None:
-        rows[best.index + 1][0] = "*"
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(f"{x:<{w}}" for x, w in zip(row, widths, strict=True)) for row in rows]
-    return [line.rstrip() for line in lines] + _remarks(result, best)
+def _column(values: Any, name: str, rank: int | None) -> Column:
+    def text(k: int) -> str:
+        value = values[name][k]
+        if f"{name}_low" not in values:
+            return f"{value:g}" if isinstance(value, float) else str(value)
+        low, high = values[f"{name}_low"][k], values[f"{name}_high"][k]
+        return f"{number(value, 4)} [{number(low, 4)}, {number(high, 4)}]"
+
+    return Column(name, lambda k: values[name][k], name, text, rank)
 
 
-def _remarks(result: SweepResult, best: Any) -> list[str]:
-    marks = ("* ", "  ")
+def _remarks(result: Any, best: Any) -> str:
     said = [] if best is None else best.words()
-    remarks = [mark + words for mark, words in zip(marks, said, strict=False)]
+    remarks = [mark + text for mark, text in zip(("* ", "  "), said, strict=False)]
     if result.failures:
         remarks.append(f"{len(result.failures)} runs failed; the first: {result.failures[0].error}")
-    return remarks
+    return "\n".join(remarks)

@@ -1,119 +1,153 @@
-"""A recording of AIS through the vessel estimator: whom does the filter lie about, since when?"""
+"""``trackmetrics vessel RECORDING``: the vessel estimator over a recording of AIS."""
 
-import argparse
-from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+import click
 
-from trackmetrics._progress import watched
-from trackmetrics.cli._output import print_verdicts, write_html
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog, diagnose
-from trackmetrics.vessel import (
-    HeldOut,
-    Recording,
-    Reports,
-    Settings,
-    Tracker,
-    decimated,
-    predictive_nis,
-    read_ais,
+from trackmetrics.cli._output import Command, Output, output_options, write_diagnosis_page
+
+BATCH = 50_000
+"""Number of reports that are tracked at once, between two steps of the bar."""
+COLUMNS = ("time", "vessel", "lat", "lon", "sog", "cog")
+
+
+def _column_options(function: Any) -> Any:
+    for name in reversed(COLUMNS):
+        function = click.option(
+            f"--{name}", metavar="COLUMN", help=f"Heading of the column of {name}."
+        )(function)
+    return function
+
+
+@click.command(
+    cls=Command,
+    examples="""
+    trackmetrics vessel recording.csv --html vessels.html
+    trackmetrics vessel recording.nmea --thin 60 --log run.parquet
+    trackmetrics vessel recording.csv --vessel ship_id --format csv -o verdicts.csv
+    """,
 )
+@click.argument("recording", metavar="RECORDING")
+@click.option("--html", metavar="FILE", help="Write a page with figures.")
+@click.option("--log", metavar="FILE", help="Write the estimator's log (.jsonl, .csv, .parquet).")
+@click.option(
+    "--thin",
+    type=float,
+    metavar="SECONDS",
+    help="Use one report of each vessel per interval; the others test the predictions.",
+)
+@click.option(
+    "--min-reports", default=50, show_default=True, help="Reports that a vessel must have."
+)
+@click.option(
+    "--min-speed",
+    default=3.0,
+    show_default=True,
+    help="Knots that the median speed of a vessel must exceed.",
+)
+@click.option(
+    "--preset",
+    type=click.Choice(["harbour", "open-sea"]),
+    default="harbour",
+    show_default=True,
+    help="What the filter assumes: manoeuvring traffic, or steady ships.",
+)
+@_column_options
+@output_options
+def command(
+    recording: str,
+    html: str | None,
+    log: str | None,
+    thin: float | None,
+    min_reports: int,
+    min_speed: float,
+    preset: str,
+    output: Output,
+    **headings: str | None,
+) -> None:
+    """Track the vessels of a recording of AIS, and diagnose their filters.
 
-PART = 50_000
-"""Reports that are tracked in one go."""
+    RECORDING is a CSV file with a heading, or a file of NMEA sentences (extra ais). Reports which
+    vessels have inconsistent covariances and when this began.
+    """
+    import numpy as np
 
+    from trackmetrics.cli._verdicts import diagnosis_table, most_severe
+    from trackmetrics.diagnostics import diagnose
+    from trackmetrics.vessel import Settings, Tracker, decimated, predictive_nis, read_ais
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What the user may choose."""
-    parser.add_argument("recording", help="a CSV file with a heading, or NMEA sentences")
-    parser.add_argument("--html", help="write the page of the diagnosis there")
-    parser.add_argument(
-        "--decimate",
-        type=float,
-        metavar="SECONDS",
-        help="use one report of each vessel in so many seconds; the others test the predictions",
-    )
-    parser.add_argument("--log", help="write the estimator's log there (.jsonl, .csv, .parquet)")
-    parser.add_argument(
-        "--least", type=int, default=50, help="reports that a vessel must have (50)"
-    )
-    parser.add_argument(
-        "--moving", type=float, default=3.0, help="knots that its median must exceed (3)"
-    )
-    parser.add_argument(
-        "--settings",
-        choices=["harbour", "sea"],
-        default="harbour",
-        help="what the filter assumes: manoeuvring traffic (default), or steady ships",
-    )
-    for name in ("time", "vessel", "lat", "lon", "sog", "cog"):
-        parser.add_argument(f"--{name}", metavar="COLUMN", help=f"heading of the column of {name}")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Read, track, diagnose, test the predictions; print and write."""
-    if arguments.decimate is not None and not arguments.decimate > 0:
-        raise ValueError(f"--decimate must be positive, got {arguments.decimate:g}")
-    names = ("time", "vessel", "lat", "lon", "sog", "cog")
-    columns = {name: getattr(arguments, name) for name in names if getattr(arguments, name)}
-    recording = read_ais(arguments.recording, columns, progress=True)
-    _print_reading(recording)
-    reports = _under_way(recording.reports, arguments.least, arguments.moving)
-    settings = Settings.harbour() if arguments.settings == "harbour" else Settings()
-    whole = np.ones(len(reports), bool)
-    used = decimated(reports, arguments.decimate) if arguments.decimate else whole
+    if thin is not None and not thin > 0:
+        raise ValueError(f"--thin must be positive, got {thin:g}")
+    found = read_ais(recording, {k: v for k, v in headings.items() if v}, progress=True)
+    _report_reading(output, found)
+    reports = _under_way(found.reports, min_reports, min_speed)
+    settings = Settings.harbour() if preset == "harbour" else Settings()
+    used = decimated(reports, thin) if thin else np.ones(len(reports), bool)
     tracker = Tracker(settings)
     _track(tracker, reports.take(used))
     absolute = tracker.log()
-    log = _since_first_report(absolute, reports)
-    diagnosis = diagnose(log)
-    print_verdicts(diagnosis)
+    relative = _since_first_report(absolute, reports)
+    diagnosis = diagnose(relative)
     held_out = None
     if not used.all():
         held_out = predictive_nis(absolute, reports.take(~used), settings, progress=True)
-        _print_predictions(held_out, diagnosis)
-    if arguments.log:
-        log.write(arguments.log)
-    if arguments.html:
-        title = f"Vessels of {Path(arguments.recording).name}"
-        write_html(arguments.html, diagnosis, log, title, held_out)
-    return 0
+    output.write(
+        diagnosis_table(diagnosis, held_out),
+        content={"diagnosis": diagnosis, "held_out": held_out},
+        after=most_severe(diagnosis),
+    )
+    if log:
+        relative.write(log)
+        output.message(f"wrote {log}")
+    if html:
+        title = f"Vessels of {Path(recording).name}"
+        write_diagnosis_page(output, html, diagnosis, relative, title=title, held_out=held_out)
 
 
-def _print_reading(recording: Recording) -> None:
+def _report_reading(output: Output, recording: Any) -> None:
     aside = ", ".join(f"{n} {reason}" for reason, n in sorted(recording.counts.items()))
-    print(
+    output.message(
         f"{recording.rows} rows, {len(recording.reports)} reports of "
         f"{len(recording.reports.vessels)} vessels; set aside: {aside or 'none'}; "
-        f"{recording.without_course} without a course\n"
+        f"{recording.without_course} without a course"
     )
     for vessel in recording.shared:
-        print(f"more than one vessel reports as {vessel}")
+        output.warn(f"more than one vessel reports as {vessel}")
 
 
-def _under_way(reports: Reports, least: int, moving: float) -> Reports:
+def _under_way(reports: Any, min_reports: int, min_speed: float) -> Any:
     """The reports of the vessels that have enough of them and are under way."""
+    import numpy as np
+
     chosen = []
     for rows in reports.rows_by_vessel().values():
-        # A report without a usable speed is one of a vessel that lies still, more often than not.
+        # A report without a usable speed is most often one of a vessel at rest.
         speeds = np.nan_to_num(reports.z[rows, 2])
-        if len(speeds) >= least and np.median(speeds) > moving:
+        if len(speeds) >= min_reports and np.median(speeds) > min_speed:
             chosen.append(rows)
     if not chosen:
-        raise ValueError(f"no vessel has {least} reports and a median speed above {moving:g} kt")
+        raise ValueError(
+            f"no vessel has {min_reports} reports and a median speed above {min_speed:g} kt"
+        )
     return reports.take(np.sort(np.concatenate(chosen)))
 
 
-def _track(tracker: Tracker, reports: Reports) -> None:
-    """The reports, which are in the order of time, in parts that a bar can count."""
-    parts = np.array_split(np.arange(len(reports)), max(1, len(reports) // PART))
-    for part in watched(parts, "tracking", len(parts), " parts"):
-        tracker.add(reports.take(part))
+def _track(tracker: Any, reports: Any) -> None:
+    """Tracks the reports, which are ordered by time, in batches that a bar counts."""
+    import numpy as np
+
+    from trackmetrics._progress import with_progress
+
+    batches = np.array_split(np.arange(len(reports)), max(1, len(reports) // BATCH))
+    for batch in with_progress(batches, "tracking", len(batches), "batches"):
+        tracker.add(reports.take(batch))
 
 
-def _since_first_report(log: EstimatorLog, reports: Reports) -> EstimatorLog:
+def _since_first_report(log: Any, reports: Any) -> Any:
     """The same log with times since the first report of all."""
+    from trackmetrics.logs import EstimatorLog
+
     shifted = log.columns.with_(time=log.columns.time - reports.time.min())
     return EstimatorLog(
         shifted,
@@ -125,17 +159,3 @@ def _since_first_report(log: EstimatorLog, reports: Reports) -> EstimatorLog:
         log.repeated,
         log.time_unit,
     )
-
-
-def _print_predictions(found: Mapping[str, HeldOut], diagnosis: Diagnosis) -> None:
-    """How well the reports that were left out were predicted."""
-    print("\nPredictions of the reports left out (NIS scale: 1 is honest)")
-    width = max([5, *map(len, found)])
-    print(f"{'track':{width}}  {'verdict':12}  {'scale':>21}  reports  gaps  {'fused':12}")
-    for track, held in sorted(found.items(), key=lambda item: -item[1].scale):
-        low, high = held.interval
-        scale = f"{held.scale:.3g} [{low:.3g}, {high:.3g}]"
-        print(
-            f"{track:{width}}  {held.verdict:12}  {scale:>21}  {held.reports:7}  {held.gaps:4}"
-            f"  {diagnosis[track].verdict}"
-        )

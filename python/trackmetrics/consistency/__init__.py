@@ -1,4 +1,4 @@
-"""Is a filter honest about its own uncertainty?
+"""Consistency of a filter: do its errors agree with its covariance?
 
 | file | what it holds |
 | --- | --- |
@@ -12,13 +12,11 @@
 """
 
 from trackmetrics.consistency.chi_square import consistency_test, credibility_interval
-from trackmetrics.consistency.correlation import (
+from trackmetrics.consistency.correlation_time import (
     correlation_time,
     decorrelated_nees,
     nees_correlation_time,
     nees_over_time,
-    whiteness,
-    whiteness_across_runs,
 )
 from trackmetrics.consistency.coverage_and_pit import (
     coverage,
@@ -56,6 +54,7 @@ from trackmetrics.consistency.results import (
     Whiteness,
 )
 from trackmetrics.consistency.subspace import marginal_nees, subspace_nees, update_identity
+from trackmetrics.consistency.whiteness import whiteness, whiteness_across_runs
 
 __all__ = [
     "CovarianceScale",

@@ -21,15 +21,15 @@ def statistics(argument: str, values: Any) -> Floats:
     return array
 
 
-def degrees(df: Any, shape: tuple[int, ...]) -> Floats:
+def degrees(dof: Any, shape: tuple[int, ...]) -> Floats:
     """Degrees of freedom of every value, one number or an array of the values' shape."""
-    array = _check.floats("df", df)
+    array = _check.floats("dof", dof)
     if array.shape not in ((), shape):
-        raise errors.shape("df", array.shape, f"{shape} or ()")
+        raise errors.shape("dof", array.shape, f"{shape} or ()")
     unfair = np.argwhere(~(np.isfinite(array) & (array > 0)))
     if unfair.size or (array.ndim == 0 and not 0 < array < np.inf):
         index = tuple(unfair[0]) if array.ndim else ()
-        raise errors.element("df", index, "positive and finite", array[index])
+        raise errors.element("dof", index, "positive and finite", array[index])
     return np.broadcast_to(array, shape)
 
 

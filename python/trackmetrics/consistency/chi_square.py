@@ -1,4 +1,4 @@
-"""Is a mean of NEES or NIS values what chance allows, and do regions hold what they promise?"""
+"""Chi-square tests of mean NEES and NIS, and the coverage of credibility regions."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ def consistency_test(
     df : float
         Degrees of freedom of one value: the number of states, or of measured components.
     confidence : float
-        Probability that an honest filter passes, between 0 and 1.
+        Probability that a consistent filter passes, between 0 and 1.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def consistency_test(
     Notes
     -----
     The values must be independent. NIS values of one run are, if the filter is right. NEES values
-    of one run are not: the test then rejects an honest filter in 14-23 % of runs where 5 % are
+    of one run are not: the test then rejects a consistent filter in 14-23 % of runs where 5 % are
     nominal. Test NEES across runs, at one time each.
 
     References
@@ -85,7 +85,7 @@ def credibility_interval(errors: Any, covariances: Any, interval: float = 0.95) 
     Returns
     -------
     float
-        In [0, 1], about ``interval`` where the filter is honest; less is optimistic, more
+        In [0, 1], about ``interval`` where the filter is consistent; less is optimistic, more
         pessimistic. An error on the edge is inside.
 
     Raises

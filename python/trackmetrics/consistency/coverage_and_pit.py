@@ -4,34 +4,35 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics import _check, _distributions
+from trackmetrics import _check, _deprecated, _distributions
 from trackmetrics._check import Floats
 from trackmetrics.consistency._input import degrees, nees_check, statistics
 from trackmetrics.consistency.results import Coverage, UniformityTest
 
 
+@_deprecated.parameters(df="dof")
 def coverage(
-    values: Any, df: Any, probability: Any = 0.95, *, confidence: float = 0.95
+    values: Any, dof: Any, probability: Any = 0.95, *, confidence: float = 0.95
 ) -> Coverage:
     """Share of independent errors inside their credibility region, with its exact interval.
 
-    An error is inside the region of probability p where its NEES is at most ``chi2.ppf(p, df)``.
+    An error is inside the region of probability p where its NEES is at most ``chi2.ppf(p, dof)``.
 
     Parameters
     ----------
     values : array_like
         NEES of independent runs, or NIS of one, of any shape.
-    df : float or array_like of the same shape
+    dof : float or array_like of the same shape
         Degrees of freedom of each value.
     probability : float or array_like
-        What the region promises, between 0 and 1.
+        Nominal probability of the region, between 0 and 1.
     confidence : float
         Of the Clopper-Pearson interval.
 
     Returns
     -------
     Coverage
-        Of the shape of ``probability``. Less than promised is optimistic, more pessimistic.
+        Of the shape of ``probability``. Less than nominal is optimistic, more pessimistic.
 
     Raises
     ------
@@ -46,40 +47,41 @@ def coverage(
 
     Examples
     --------
-    >>> test = coverage([0.5, 1.0, 2.0, 7.0], df=2)
+    >>> test = coverage([0.5, 1.0, 2.0, 7.0], dof=2)
     >>> test.share, round(test.lower, 3), round(test.upper, 3), test.is_consistent
     (0.75, 0.194, 0.994, True)
     """
     _check.fraction("confidence", confidence)
     array = statistics("values", values)
-    dof = degrees(df, array.shape)
-    promised = _check.floats("probability", probability)
-    if not ((promised > 0) & (promised < 1)).all():
+    dof = degrees(dof, array.shape)
+    nominal = _check.floats("probability", probability)
+    if not ((nominal > 0) & (nominal < 1)).all():
         raise ValueError("probability must be between 0 and 1, both excluded")
     # One region after the other: what is compared is the value, so that its edge is inside.
-    regions = [(array <= _distributions.chi2_quantile(p, dof)).sum() for p in promised.ravel()]
-    inside = np.array(regions, dtype=np.int64).reshape(promised.shape)
-    lower, upper = _clopper_pearson(inside, array.size, confidence)
-    fair = (lower <= promised) & (promised <= upper)
-    return Coverage(promised, inside / array.size, lower, upper, inside, array.size, fair)
+    regions = [(array <= _distributions.chi2_quantile(p, dof)).sum() for p in nominal.ravel()]
+    inside = np.array(regions, dtype=np.int64).reshape(nominal.shape)
+    lower, upper = _distributions.clopper_pearson(inside, array.size, confidence)
+    fair = (lower <= nominal) & (nominal <= upper)
+    return Coverage(nominal, inside / array.size, lower, upper, inside, array.size, fair)
 
 
+@_deprecated.parameters(df="dof")
 def coverage_curve(
-    values: Any, df: Any, probabilities: Any = None, *, confidence: float = 0.95
+    values: Any, dof: Any, probabilities: Any = None, *, confidence: float = 0.95
 ) -> Coverage:
-    """The coverage of every region: what it holds against what it promises.
+    """The coverage of every region: observed fraction against nominal probability.
 
     Parameters
     ----------
-    values, df, confidence
+    values, dof, confidence
         As in :func:`coverage`.
     probabilities : array_like, optional
-        What regions promise; 0.01, 0.02, ... 0.99 by default.
+        Nominal probabilities of the regions; 0.01, 0.02, ... 0.99 by default.
 
     Returns
     -------
     Coverage
-        Arrays; the shares of an honest filter lie on the diagonal.
+        Arrays; the shares of a consistent filter lie on the diagonal.
 
     Raises
     ------
@@ -92,21 +94,15 @@ def coverage_curve(
     >>> coverage_curve(np.arange(1.0, 9.0), 4, [0.25, 0.5, 0.75]).share
     array([0.125, 0.375, 0.625])
     """
-    promised = np.arange(1, 100) / 100 if probabilities is None else probabilities
-    return coverage(values, df, np.atleast_1d(promised), confidence=confidence)
+    nominal = np.arange(1, 100) / 100 if probabilities is None else probabilities
+    return coverage(values, dof, np.atleast_1d(nominal), confidence=confidence)
 
 
-def _clopper_pearson(inside: Any, count: int, confidence: float) -> tuple[Floats, Floats]:
-    special, tail = _distributions.special(), (1 - confidence) / 2
-    lower = special.betaincinv(np.maximum(inside, 1), count - inside + 1, tail)
-    upper = special.betaincinv(inside + 1, np.maximum(count - inside, 1), 1 - tail)
-    return np.where(inside > 0, lower, 0.0), np.where(inside < count, upper, 1.0)
-
-
-def pit_test(values: Any, df: Any, *, confidence: float = 0.95) -> UniformityTest:
+@_deprecated.parameters(df="dof")
+def pit_test(values: Any, dof: Any, *, confidence: float = 0.95) -> UniformityTest:
     """Probability integral transform: are NEES or NIS values spread as their chi-square is?
 
-        u = F(value; df)  ~  uniform on [0, 1]
+        u = F(value; dof)  ~  uniform on [0, 1]
 
     tested by the largest gap between the two distribution functions (Kolmogorov-Smirnov) and by
     the mean squared one (Cramer-von Mises).
@@ -115,10 +111,10 @@ def pit_test(values: Any, df: Any, *, confidence: float = 0.95) -> UniformityTes
     ----------
     values : array_like
         NEES of independent runs, or NIS of one, of any shape.
-    df : float or array_like of the same shape
+    dof : float or array_like of the same shape
         Degrees of freedom of each value.
     confidence : float
-        Probability that an honest filter passes, in each test.
+        Probability that a consistent filter passes, in each test.
 
     Returns
     -------
@@ -132,8 +128,8 @@ def pit_test(values: Any, df: Any, *, confidence: float = 0.95) -> UniformityTes
 
     Notes
     -----
-    On the NEES of one run both reject honest filters too often (14 % at a nominal 5 %), since it is
-    correlated. P-values are those of many values with Stephens's corrections for few, good to
+    On the NEES of one run both reject consistent filters too often (14 % at a nominal 5 %), since
+    it is correlated. P-values are those of many values with Stephens's corrections for few, good to
     a hundredth from five values on.
 
     References
@@ -144,13 +140,13 @@ def pit_test(values: Any, df: Any, *, confidence: float = 0.95) -> UniformityTes
     Examples
     --------
     >>> import numpy as np
-    >>> test = pit_test(-2 * np.log(np.arange(0.5, 20) / 20), df=2)
+    >>> test = pit_test(-2 * np.log(np.arange(0.5, 20) / 20), dof=2)
     >>> round(test.ks_statistic, 3), test.is_consistent
     (0.025, True)
     """
     _check.fraction("confidence", confidence)
     array = statistics("values", values)
-    u = _distributions.chi2_cdf(array, degrees(df, array.shape))
+    u = _distributions.chi2_cdf(array, degrees(dof, array.shape))
     count, ranked = array.size, np.sort(u, axis=None)
     steps = np.arange(count + 1) / count
     gap = max((steps[1:] - ranked).max(), (ranked - steps[:-1]).max())
@@ -175,8 +171,9 @@ def _cramer_von_mises_sf(square: float) -> float:
     return float(np.clip(1 - terms.sum() / (np.pi * np.sqrt(square)), 0.0, 1.0))
 
 
-def excess_nll(nees_values: Any, df: Any) -> Floats:
-    """Negative log likelihood of the truth, over what an honest filter expects of it.
+@_deprecated.parameters(df="dof")
+def excess_nll(nees_values: Any, dof: Any) -> Floats:
+    """Negative log likelihood of the truth, over what a consistent filter expects of it.
 
         excess = (nees - d) / 2
 
@@ -186,13 +183,13 @@ def excess_nll(nees_values: Any, df: Any) -> Floats:
     ----------
     nees_values : array_like
         NEES values.
-    df : float or array_like of the same shape
+    dof : float or array_like of the same shape
         Number of states.
 
     Returns
     -------
     ndarray
-        In nats; 0 on average where the filter is honest, above where it is optimistic.
+        In nats; 0 on average where the filter is consistent, above where it is optimistic.
 
     Raises
     ------
@@ -201,11 +198,11 @@ def excess_nll(nees_values: Any, df: Any) -> Floats:
 
     Examples
     --------
-    >>> excess_nll([2.0, 6.0], df=4)
+    >>> excess_nll([2.0, 6.0], dof=4)
     array([-1.,  1.])
     """
     array = statistics("nees_values", nees_values)
-    return (array - degrees(df, array.shape)) / 2
+    return (array - degrees(dof, array.shape)) / 2
 
 
 def gaussian_crps(errors: Any, covariances: Any) -> Floats:
@@ -223,8 +220,8 @@ def gaussian_crps(errors: Any, covariances: Any) -> Floats:
     Returns
     -------
     ndarray of shape (..., d)
-        In the units of the states, at least 0, less is better: small errors and honest claims both
-        help. An honest Gaussian filter expects ``s / sqrt(pi)``.
+        In the units of the states, at least 0, less is better: small errors and consistent
+        covariances both help. A consistent Gaussian filter expects ``s / sqrt(pi)``.
 
     Raises
     ------

@@ -9,8 +9,6 @@ from trackmetrics._check import Floats
 from trackmetrics.consistency._input import components, errors_of_runs, nees_check, whitened
 from trackmetrics.consistency.results import CredibilityIndex, SignificanceTest
 
-_DECIBEL = 10 / np.log(10)
-
 
 def noncredibility_index(
     errors: Any, covariances: Any, *, reference: str = "sample"
@@ -26,14 +24,14 @@ def noncredibility_index(
     covariances : array_like of shape (N, d, d), or (d, d) for all
         Their claimed covariances.
     reference : "sample" or "expected"
-        Sigma: the mean square error of these runs, or, in its place, the logarithm that an honest
-        filter's NEES has on average.
+        Sigma: the mean square error of these runs, or, in its place, the logarithm that a
+        consistent filter's NEES has on average.
 
     Returns
     -------
     CredibilityIndex
-        At least 0 dB; 0 is best. Chance alone gives more than 0 (0.7 dB for 50 runs of 4 states
-        with ``"sample"``), so there are no bounds.
+        At least 0 dB; 0 is best. A consistent filter has more than 0 (0.7 dB for 50 runs of 4
+        states with ``"sample"``), so there are no bounds.
 
     Raises
     ------
@@ -74,12 +72,13 @@ def inclination_index(
     reference : "expected" or "sample"
         What the claimed covariance is compared with.
     confidence : float
-        Probability that an honest filter is within the bounds.
+        Probability that a consistent filter is within the bounds.
 
     Returns
     -------
     CredibilityIndex
-        In dB, 0 is honest. With ``"expected"`` the bounds are ``+-1.96 sd / sqrt(N)``, where sd is
+        In dB, 0 is consistent. With ``"expected"`` the bounds are ``+-1.96 sd / sqrt(N)``, where
+        sd is
         the standard deviation of 10 log10 of a chi-square of d; with ``"sample"`` they are NaN.
 
     Raises
@@ -104,9 +103,9 @@ def inclination_index(
     if reference == "sample":
         return CredibilityIndex(value, np.nan, np.nan, np.nan)
     special = _distributions.special()
-    deviation = _DECIBEL * np.sqrt(special.polygamma(1, d / 2) / logs.size)
-    bound = special.ndtri((1 + confidence) / 2) * deviation
-    p_value = 2 * special.ndtr(-np.abs(value) / deviation)
+    deviation = _distributions.DECIBELS * np.sqrt(special.polygamma(1, d / 2) / logs.size)
+    bound = _distributions.normal_quantile((1 + confidence) / 2) * deviation
+    p_value = _distributions.normal_p_value(value / deviation)
     return CredibilityIndex(value, -bound, bound, p_value)
 
 
@@ -121,11 +120,11 @@ def _log_ratios(errors: Any, covariances: Any, reference: str) -> Floats:
         # An error of exactly zero agrees with any covariance.
         with np.errstate(invalid="ignore"):
             ratio = claimed / nees_check(e, _mean_square(e), "errors", "the mean square error")
-        agreed: Floats = _DECIBEL * np.log(np.where(np.isfinite(ratio), ratio, 1.0))
+        agreed: Floats = _distributions.DECIBELS * np.log(np.where(np.isfinite(ratio), ratio, 1.0))
         return agreed
-    expected = np.log(2) + _distributions.special().digamma(d / 2)
+    expected = _distributions.chi2_log_mean(d)
     with np.errstate(divide="ignore"):
-        logs: Floats = _DECIBEL * (np.log(claimed) - expected)
+        logs: Floats = _distributions.DECIBELS * (np.log(claimed) - expected)
     return logs
 
 
@@ -149,7 +148,7 @@ def covariance_test(errors: Any, covariances: Any, *, confidence: float = 0.95) 
     covariances : array_like of shape (N, d, d), or (d, d) for all
         Their claimed covariances.
     confidence : float
-        Probability that an honest filter passes.
+        Probability that a consistent filter passes.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Means of NEES and NIS with the interval that chance allows.
+"""Means of NEES and NIS with acceptance intervals.
 
 A sum of independent chi-squares is a chi-square of all their degrees of freedom; a weighted or
 correlated sum is taken as ``g chi2(h)`` with the right mean and variance (Satterthwaite).
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics import _check, _distributions, errors
+from trackmetrics import _check, _deprecated, _distributions, errors
 from trackmetrics._check import Floats
 from trackmetrics.consistency._input import degrees, errors_of_runs, statistics
 from trackmetrics.consistency.results import CovarianceScale, MeanTest, NormalizedMeanError
@@ -24,7 +24,8 @@ def mean_test(total: Any, mean: Any, variance: Any, confidence: float) -> MeanTe
     return MeanTest(value, lower, upper, dof, p, (lower <= value) & (value <= upper))
 
 
-def anees(nees_values: Any, df: float, *, axis: int = 0, confidence: float = 0.95) -> MeanTest:
+@_deprecated.parameters(df="dof")
+def anees(nees_values: Any, dof: float, *, axis: int = 0, confidence: float = 0.95) -> MeanTest:
     """Average NEES over independent runs, normalised by the number of states.
 
         anees = sum_i nees_i / (N d)  ~  chi2(N d) / (N d)
@@ -33,22 +34,23 @@ def anees(nees_values: Any, df: float, *, axis: int = 0, confidence: float = 0.9
     ----------
     nees_values : array_like of shape (N, ...)
         NEES of N independent runs; other axes (times, tracks) are tested one by one.
-    df : float
+    dof : float
         Number of states d.
     axis : int
         The axis of the runs.
     confidence : float
-        Probability that an honest filter passes, at each time by itself.
+        Probability that a consistent filter passes, at each time by itself.
 
     Returns
     -------
     MeanTest
-        1 is honest, more optimistic, less pessimistic; with N d degrees of freedom.
+        1 if consistent; above 1 optimistic (covariance too small), below 1 pessimistic; with N d
+        degrees of freedom.
 
     Raises
     ------
     ValueError
-        For values that are negative or not finite, none at all, or ``df`` not positive.
+        For values that are negative or not finite, none at all, or ``dof`` not positive.
 
     Notes
     -----
@@ -61,14 +63,15 @@ def anees(nees_values: Any, df: float, *, axis: int = 0, confidence: float = 0.9
 
     Examples
     --------
-    >>> test = anees([4.0, 6.0, 5.0, 5.0, 4.0, 6.0, 5.0, 5.0, 5.0, 5.0], df=5)
+    >>> test = anees([4.0, 6.0, 5.0, 5.0, 4.0, 6.0, 5.0, 5.0, 5.0, 5.0], dof=5)
     >>> test.value, round(test.lower, 3), round(test.upper, 3), test.is_consistent
     (1.0, 0.647, 1.428, True)
     """
-    return _independent("nees_values", nees_values, df, axis, confidence)
+    return _independent("nees_values", nees_values, dof, axis, confidence)
 
 
-def average_nis(nis_values: Any, df: Any, *, axis: int = -1, confidence: float = 0.95) -> MeanTest:
+@_deprecated.parameters(df="dof")
+def average_nis(nis_values: Any, dof: Any, *, axis: int = -1, confidence: float = 0.95) -> MeanTest:
     """NIS of one run averaged over time, over its expectation; dofs may be mixed.
 
         sum_k nis_k / sum_k m_k  ~  chi2(sum_k m_k) / sum_k m_k
@@ -77,26 +80,26 @@ def average_nis(nis_values: Any, df: Any, *, axis: int = -1, confidence: float =
     ----------
     nis_values : array_like of shape (..., K)
         NIS of consecutive updates; leading axes are tested one by one.
-    df : float or array_like of shape (..., K)
+    dof : float or array_like of shape (..., K)
         Number of measured components of each update.
     axis : int
         The axis of time.
     confidence : float
-        Probability that an honest filter passes.
+        Probability that a consistent filter passes.
 
     Returns
     -------
     MeanTest
-        1 is honest, more optimistic, less pessimistic.
+        1 if consistent; above 1 optimistic (covariance too small), below 1 pessimistic.
 
     Raises
     ------
     ValueError
-        For values that are negative or not finite, none at all, or ``df`` not positive.
+        For values that are negative or not finite, none at all, or ``dof`` not positive.
 
     Notes
     -----
-    Exact: the innovations of an honest linear filter are independent. Test that by
+    Exact: the innovations of a consistent linear filter are independent. Test that by
     :func:`whiteness`.
 
     References
@@ -106,22 +109,23 @@ def average_nis(nis_values: Any, df: Any, *, axis: int = -1, confidence: float =
 
     Examples
     --------
-    >>> test = average_nis([2.0, 4.0, 1.0, 5.0], df=[2, 4, 2, 4])
+    >>> test = average_nis([2.0, 4.0, 1.0, 5.0], dof=[2, 4, 2, 4])
     >>> test.value, test.dof, test.is_consistent
     (1.0, 12.0, True)
     """
-    return _independent("nis_values", nis_values, df, axis, confidence)
+    return _independent("nis_values", nis_values, dof, axis, confidence)
 
 
-def _independent(argument: str, values: Any, df: Any, axis: int, confidence: float) -> MeanTest:
+def _independent(argument: str, values: Any, dof: Any, axis: int, confidence: float) -> MeanTest:
     array = statistics(argument, values)
     axis = _check.axis_of(array, axis)
-    dof = degrees(df, array.shape).sum(axis)
+    dof = degrees(dof, array.shape).sum(axis)
     return mean_test(array.sum(axis), dof, 2 * dof, confidence)
 
 
+@_deprecated.parameters(df="dof")
 def moving_average_nis(
-    nis_values: Any, df: Any, window: int, *, confidence: float = 0.95
+    nis_values: Any, dof: Any, window: int, *, confidence: float = 0.95
 ) -> MeanTest:
     """NIS averaged over a moving window, over its expectation, with pointwise bounds.
 
@@ -129,12 +133,12 @@ def moving_average_nis(
     ----------
     nis_values : array_like of shape (..., K)
         NIS of consecutive updates.
-    df : float or array_like of shape (..., K)
+    dof : float or array_like of shape (..., K)
         Number of measured components of each update.
     window : int
         How many updates are averaged.
     confidence : float
-        Probability that an honest filter is inside, at each point by itself.
+        Probability that a consistent filter is inside, at each point by itself.
 
     Returns
     -------
@@ -148,19 +152,19 @@ def moving_average_nis(
 
     Notes
     -----
-    Neighbouring values share all but one update. Somewhere along a run an honest filter leaves a
+    Neighbouring values share all but one update. Somewhere along a run a consistent filter leaves a
     pointwise 95 % band far more often than in 5 % of runs (37 % for 60 updates and a window of 20).
 
     Examples
     --------
-    >>> moving_average_nis([2.0, 2.0, 8.0, 2.0], df=2, window=2).value
+    >>> moving_average_nis([2.0, 2.0, 8.0, 2.0], dof=2, window=2).value
     array([1. , 2.5, 2.5])
     """
     array = statistics("nis_values", nis_values)
     window = _check.whole("window", window)
     if not 1 <= window <= array.shape[-1]:
         raise errors.parameter("window", f"between 1 and {array.shape[-1]}", window)
-    dof = _windows(degrees(df, array.shape), window)
+    dof = _windows(degrees(dof, array.shape), window)
     return mean_test(_windows(array, window), dof, 2 * dof, confidence)
 
 
@@ -169,8 +173,9 @@ def _windows(values: Floats, window: int) -> Floats:
     return result
 
 
+@_deprecated.parameters(df="dof")
 def fading_memory_nis(
-    nis_values: Any, df: Any, factor: float, *, confidence: float = 0.95
+    nis_values: Any, dof: Any, factor: float, *, confidence: float = 0.95
 ) -> MeanTest:
     """NIS averaged with a fading memory, over its expectation, with pointwise bounds.
 
@@ -183,12 +188,12 @@ def fading_memory_nis(
     ----------
     nis_values : array_like of shape (..., K)
         NIS of consecutive updates.
-    df : float or array_like of shape (..., K)
+    dof : float or array_like of shape (..., K)
         Number of measured components of each update.
     factor : float
         How much of the memory is kept, between 0 and 1.
     confidence : float
-        Probability that an honest filter is inside, at each point by itself.
+        Probability that a consistent filter is inside, at each point by itself.
 
     Returns
     -------
@@ -207,12 +212,12 @@ def fading_memory_nis(
 
     Examples
     --------
-    >>> fading_memory_nis([2.0, 2.0, 8.0], df=2, factor=0.5).value.round(3)
+    >>> fading_memory_nis([2.0, 2.0, 8.0], dof=2, factor=0.5).value.round(3)
     array([1.   , 1.   , 2.714])
     """
     array = statistics("nis_values", nis_values)
     _check.fraction("factor", factor)
-    dof = degrees(df, array.shape)
+    dof = degrees(dof, array.shape)
     faded = [_faded(values, f) for values, f in ((array, factor), (dof, factor), (dof, factor**2))]
     return mean_test(faded[0], faded[1], 2 * faded[2], confidence)
 
@@ -270,9 +275,10 @@ def normalized_mean_error(
     return NormalizedMeanError(value, bound, p_value, np.abs(value) <= bound)
 
 
+@_deprecated.parameters(df="dof")
 def covariance_scale(
     values: Any,
-    df: Any,
+    dof: Any,
     *,
     axis: int | None = None,
     correlation_time: float = 1.0,
@@ -288,7 +294,7 @@ def covariance_scale(
     ----------
     values : array_like
         Independent NEES values (for P), or NIS values (for S).
-    df : float or array_like of the same shape
+    dof : float or array_like of the same shape
         Their degrees of freedom.
     axis : int, optional
         What to sum over; everything by default.
@@ -306,13 +312,13 @@ def covariance_scale(
     Raises
     ------
     ValueError
-        For values that are negative or not finite, none at all, ``df`` not positive, or a
+        For values that are negative or not finite, none at all, ``dof`` not positive, or a
         correlation time below 1.
 
     Examples
     --------
     >>> import numpy as np
-    >>> print(covariance_scale(2.8 * np.full(15, 4.0), df=4))
+    >>> print(covariance_scale(2.8 * np.full(15, 4.0), dof=4))
     multiply P by 2.8 [2, 4.2]
     """
     array = statistics("values", values)
@@ -322,6 +328,6 @@ def covariance_scale(
         raise errors.parameter("correlation_time", "at least 1", correlation_time)
     axis = None if axis is None else _check.axis_of(array, axis)
     total = array.sum(axis) / correlation_time
-    dof = degrees(df, array.shape).sum(axis) / correlation_time
+    dof = degrees(dof, array.shape).sum(axis) / correlation_time
     lower, upper = _distributions.chi2_interval(dof, confidence)
     return CovarianceScale(total / dof, total / upper, total / lower, dof)

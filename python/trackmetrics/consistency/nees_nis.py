@@ -37,7 +37,7 @@ def nees(
     Returns
     -------
     float or ndarray of shape (...)
-        At least 0; a float where there are no leading axes. An honest Gaussian filter gives a
+        At least 0; a float where there are no leading axes. A consistent Gaussian filter gives a
         chi-square of d degrees of freedom: d on average. More means optimistic (P too small), less
         pessimistic.
 
@@ -106,7 +106,7 @@ def nees_sequence(
     Returns
     -------
     ndarray of shape (..., N)
-        One NEES for each state, about d where the filter is honest.
+        One NEES for each state, about d where the filter is consistent.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def average_nees(
     Returns
     -------
     float
-        About d where the filter is honest; more is optimistic, less pessimistic.
+        About d where the filter is consistent; more is optimistic, less pessimistic.
 
     Raises
     ------
@@ -161,8 +161,8 @@ def average_nees(
 
     Notes
     -----
-    How far from d it may stray by chance, see :func:`consistency_test` for independent runs. Over
-    the steps of one run NEES is correlated, and that test rejects honest filters too often.
+    For its acceptance interval see :func:`consistency_test` for independent runs. Over
+    the steps of one run NEES is correlated, and that test rejects consistent filters too often.
 
     Examples
     --------
@@ -204,8 +204,8 @@ def nis(
     Returns
     -------
     float or ndarray of shape (...)
-        At least 0; a float where there are no leading axes. An honest filter gives a chi-square of
-        m degrees of freedom, m on average, independent from one update to the next.
+        At least 0; a float where there are no leading axes. A consistent filter gives a
+        chi-square of m degrees of freedom, m on average, independent from one update to the next.
 
     Raises
     ------
@@ -255,7 +255,7 @@ def nis_sequence(
     Returns
     -------
     ndarray of shape (..., N)
-        One NIS for each innovation, about m where the filter is honest.
+        One NIS for each innovation, about m where the filter is consistent.
 
     Raises
     ------

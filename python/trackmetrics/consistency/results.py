@@ -1,4 +1,4 @@
-"""What the statistics give back: a value, what chance allows, and how sure that is.
+"""What the statistics give back: a value, the acceptance interval, and how sure that is.
 
 Fields are Python numbers for one sequence, and arrays where there are leading axes.
 """
@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from trackmetrics.results import Result
+
 
 def plain(value: Any) -> Any:
     """A Python number for an array without axes, the array otherwise."""
@@ -16,47 +18,43 @@ def plain(value: Any) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class _Result:
-    """Frozen, with Python numbers instead of NumPy's, and readable as a dictionary."""
+class _Result(Result):
+    """Frozen, with Python numbers instead of NumPy's."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
             object.__setattr__(self, field.name, plain(getattr(self, field.name)))
 
-    def to_dict(self) -> dict[str, Any]:
-        """The fields by name; arrays as lists."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
-
 
 @dataclass(frozen=True, eq=False)
 class MeanTest(_Result):
-    """A mean of NEES or NIS in units of its expectation, and what chance allows of it."""
+    """A mean of NEES or NIS in units of its expectation, and its acceptance interval."""
 
     value: Any
-    """The mean over its expectation: 1 is honest, more optimistic, less pessimistic."""
+    """The mean over its expectation: 1 if consistent; above 1 optimistic (covariance too small),
+    below 1 pessimistic."""
     lower: Any
-    """The least that chance allows at the confidence asked for."""
+    """Lower bound of the acceptance interval at the confidence asked for."""
     upper: Any
     """The greatest."""
     dof: Any
     """Degrees of freedom behind the mean; fewer than were summed where values are correlated."""
     p_value: Any
-    """Two-sided: how often an honest filter would be as far from 1."""
+    """Two-sided p-value."""
     is_consistent: Any
     """Whether the value lies within the bounds, both included."""
 
 
 @dataclass(frozen=True, eq=False)
 class SignificanceTest(_Result):
-    """A statistic, its degrees of freedom, and how often chance alone gives as much."""
+    """A statistic, its degrees of freedom, and its p-value."""
 
     statistic: Any
     """The larger, the worse."""
     dof: Any
     """Its degrees of freedom (of the numerator, for an F)."""
     p_value: Any
-    """How often an honest filter would give as large a statistic."""
+    """p-value."""
     is_consistent: Any
     """Whether the p-value is at least 1 - confidence."""
 
@@ -68,7 +66,7 @@ class NormalizedMeanError(_Result):
     value: Any
     """Mean of e_i / sqrt(P_ii): 0 is unbiased."""
     bound: Any
-    """What chance allows on either side."""
+    """Half-width of the acceptance interval."""
     p_value: Any
     """Two-sided: how often an unbiased filter would be as far from 0."""
     is_consistent: Any
@@ -77,14 +75,14 @@ class NormalizedMeanError(_Result):
 
 @dataclass(frozen=True, eq=False)
 class Whiteness(_Result):
-    """Correlation of whitened innovations with later ones, and whether it is chance."""
+    """Correlation of whitened innovations with later ones, and whether it is significant."""
 
     lags: Any
     """How many updates later."""
     correlation: Any
     """In [-1, 1] for each lag; 0 is white."""
     bound: Any
-    """What chance allows on either side, lag by lag."""
+    """Half-width of the acceptance interval, lag by lag."""
     statistic: Any
     """The squares of all lags, each over its variance."""
     dof: Any
@@ -110,21 +108,21 @@ class CredibilityIndex(_Result):
     """A mean log ratio of claimed to actual error, in decibels."""
 
     value: Any
-    """0 dB is honest."""
+    """0 dB is consistent."""
     lower: Any
-    """The least that chance allows; NaN where no such interval is known."""
+    """Lower bound of the acceptance interval; NaN where no such interval is known."""
     upper: Any
     """The greatest; NaN where no such interval is known."""
     p_value: Any
-    """How often an honest filter would be as far out; NaN where it is not known."""
+    """Two-sided p-value; NaN where it is not known."""
 
 
 @dataclass(frozen=True, eq=False)
 class Coverage(_Result):
-    """How many errors lie inside the credibility region, against what it promises."""
+    """How many errors lie inside the credibility region, against its nominal probability."""
 
     probability: Any
-    """What the region promises."""
+    """Nominal probability of the region."""
     share: Any
     """What it holds."""
     lower: Any
@@ -136,23 +134,23 @@ class Coverage(_Result):
     count: Any
     """All errors."""
     is_consistent: Any
-    """Whether the promise lies within the interval."""
+    """Whether the nominal probability lies within the interval."""
 
 
 @dataclass(frozen=True, eq=False)
 class UniformityTest(_Result):
-    """Are probabilities spread evenly over [0, 1], as an honest filter's are?"""
+    """Are probabilities spread evenly over [0, 1], as a consistent filter's are?"""
 
     probabilities: Any
     """Where each value stands in its distribution."""
     ks_statistic: Any
     """Kolmogorov-Smirnov: the largest gap between the two distribution functions."""
     ks_p_value: Any
-    """How often chance gives as large a gap."""
+    """p-value: probability of as large a gap for a consistent filter."""
     cvm_statistic: Any
     """Cramer-von Mises: the mean squared gap, times the number of values."""
     cvm_p_value: Any
-    """How often chance gives as large a gap."""
+    """p-value: probability of as large a gap for a consistent filter."""
     is_consistent: Any
     """Whether both p-values are at least 1 - confidence."""
 

@@ -26,7 +26,7 @@ def marginal_nees(true_state: Any, estimated_state: Any, covariance: Any) -> Flo
     Returns
     -------
     ndarray of shape (..., d)
-        1 on average for each state of an honest filter; they do not add up to the NEES.
+        1 on average for each state of a consistent filter; they do not add up to the NEES.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def subspace_nees(true_state: Any, estimated_state: Any, covariance: Any, indice
     Returns
     -------
     float or ndarray of shape (...)
-        About the number of indices where the filter is honest.
+        About the number of indices where the filter is consistent.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def subspace_nees(true_state: Any, estimated_state: Any, covariance: Any, indice
 
 def _index(index: int, place: int, length: int) -> int:
     if not -length <= index < length:
-        raise errors.outside("indices", place, index, length)
+        raise errors.index_out_of_range("indices", place, index, length)
     return index % length
 
 

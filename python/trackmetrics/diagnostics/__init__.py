@@ -1,5 +1,6 @@
-"""Is the filter honest, since when, and which state? A log of an estimator, and its diagnosis."""
+"""Diagnosis of an estimator's log: is the filter consistent, since when not, and which state?"""
 
+from trackmetrics import _deprecated
 from trackmetrics.diagnostics._noise_model import LinearModel
 from trackmetrics.diagnostics.diagnose import diagnose
 from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
@@ -19,15 +20,11 @@ from trackmetrics.diagnostics.records import (
 )
 from trackmetrics.diagnostics.results import Diagnosis, TrackDiagnosis
 from trackmetrics.diagnostics.whatif import WhatIf, whatif
-from trackmetrics.logs.header import State
-from trackmetrics.logs.log import EstimatorLog
-from trackmetrics.logs.read import read_log
 
 __all__ = [
     "VERDICTS",
     "Bias",
     "Diagnosis",
-    "EstimatorLog",
     "Factor",
     "LinearModel",
     "LiveMonitor",
@@ -36,13 +33,13 @@ __all__ = [
     "Outlier",
     "QuantityVerdict",
     "Segment",
-    "State",
     "StateDiagnosis",
     "TrackDiagnosis",
     "WhatIf",
     "Whiteness",
     "diagnose",
     "estimate_noise",
-    "read_log",
     "whatif",
 ]
+
+__getattr__ = _deprecated.module_getattr(__name__)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trackmetrics import _distributions
-from trackmetrics.consistency.correlation import correlation_times
+from trackmetrics.consistency.correlation_time import correlation_times
 from trackmetrics.logs.columns import Floats
 
 LEAST_UPDATES = 8

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _backend
-from trackmetrics.consistency.correlation import correlation_times
+from trackmetrics.consistency.correlation_time import correlation_times
 from trackmetrics.diagnostics.angles import radians_in_degrees, unwrapped
 from trackmetrics.diagnostics.judging import Quantity, transitions
 from trackmetrics.diagnostics.results import Diagnosis

@@ -6,8 +6,9 @@ from math import isfinite, log, nan
 
 import numpy as np
 
+from trackmetrics.diagnostics._noise_baseline import Fault
 from trackmetrics.diagnostics._noise_direction import direction
-from trackmetrics.diagnostics._noise_faults import ROBUST_DOF, Fault, faults, outlying
+from trackmetrics.diagnostics._noise_faults import ROBUST_DOF, faults, outlying
 from trackmetrics.diagnostics._noise_fit import (
     ErrorModel,
     Fit,
@@ -172,6 +173,7 @@ def estimate_noise(
     A random walk with steps of variance 1, measured with variance 4; the filter claims 1 and 1.
 
     >>> import numpy as np
+    >>> from trackmetrics.logs import EstimatorLog
     >>> rng = np.random.default_rng(0)
     >>> truth = np.cumsum(rng.normal(size=300))
     >>> x, P, rows = 0.0, 10.0, []

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from trackmetrics import _backend, _distributions
-from trackmetrics.consistency.correlation import correlation_times
+from trackmetrics.consistency.correlation_time import correlation_times
 from trackmetrics.diagnostics.live import first_alarms
 from trackmetrics.diagnostics.outliers import set_aside
 from trackmetrics.diagnostics.penalty import deserved

@@ -114,7 +114,8 @@ def identity(
     simulate: Any, seed: Any, grid: Sequence[Mapping[str, Any]], version: Any, **others: Any
 ) -> dict[str, Any]:
     """What a checkpoint must agree in with the sweep that goes on from it."""
-    from trackmetrics import __version__, backend
+    from trackmetrics._backend import backend
+    from trackmetrics._version import __version__
 
     return {
         "simulate": name_of(simulate),

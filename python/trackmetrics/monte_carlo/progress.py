@@ -8,7 +8,7 @@ from trackmetrics._progress import bar
 
 
 class Progress:
-    """A bar by `tqdm`, where it is wanted and installed; or a function that is told."""
+    """A progress bar (if `rich` is installed), or a function that is called instead."""
 
     def __init__(self, wanted: bool | Callable[[int, int], None], total: int, done: int) -> None:
         self.done, self.total = done, total

@@ -77,7 +77,7 @@ def sweep(
     chunk : int
         Runs of a job; by default as many as take about half a second.
     progress : bool or callable
-        Whether to show a bar (with `tqdm`, where it is installed); or ``progress(done, total)``.
+        Whether to show a bar (needs the extra ``progress``); or ``progress(done, total)``.
     checkpoint : path
         A folder to keep finished chunks in. A sweep that finds its own goes on from there; with
         more ``runs`` than before it adds those.

@@ -1,12 +1,13 @@
 """Limits and ticks that both backends share."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.report.scene import Floats
+from trackmetrics.report.scene import Bounds, Floats, Panel, Primitive, floats
 
 Limits = tuple[float, float]
 
@@ -14,26 +15,26 @@ Limits = tuple[float, float]
 def log_limits(
     values: Iterable[Floats | float], at_least: Limits = (0.4, 2.5), names: int = 0
 ) -> Limits:
-    """Limits of a logarithmic axis with room around every positive value, and for rows of names."""
+    """Limits of a logarithmic axis with a margin around the positive values and ``names`` rows."""
     finite = _finite(values)
     finite = np.append(finite[finite > 0], at_least)
     low, high = math.log10(finite.min()), math.log10(finite.max())
-    room = 0.07 * (high - low)
-    return 10 ** (low - room), 10 ** (high + room * (1.6 + 3.2 * names))
+    margin = 0.07 * (high - low)
+    return 10 ** (low - margin), 10 ** (high + margin * (1.6 + 3.2 * names))
 
 
 def linear_limits(values: Iterable[Floats | float], at_least: Limits | None = None) -> Limits:
-    """Limits of a linear axis with room around every value."""
+    """Limits of a linear axis with a margin around all values."""
     finite = np.append(_finite(values), () if at_least is None else at_least)
     if not finite.size:
         return 0.0, 1.0
     low, high = float(finite.min()), float(finite.max())
-    room = 0.07 * (high - low) or 0.07 * abs(high) or 1.0
-    return low - room, high + room
+    margin = 0.07 * (high - low) or 0.07 * abs(high) or 1.0
+    return low - margin, high + margin
 
 
 def on_log_axis(values: Floats, limits: Limits) -> Floats:
-    """Values as a logarithmic axis can show them: zero stands at its lower end."""
+    """Values for a logarithmic axis: zero is drawn at its lower end."""
     return np.where(values <= 0, limits[0], values)
 
 
@@ -48,53 +49,49 @@ def log_ticks(limits: Limits) -> list[tuple[float, str]]:
     return [(10.0**e, _number(10.0**e)) for e in range(first, last + 1) if e % step == 0]
 
 
-def on_branch(values: Floats, near: Floats, period: float) -> Floats:
-    """Angles, each moved by whole turns to within half a turn of another."""
-    moved: Floats = values - period * np.round((values - near) / period)
-    return moved
-
-
-def unrolled(values: Floats, period: float) -> Floats:
-    """Angles without jumps: each within half a turn of the one before."""
-    known = np.isfinite(values)
-    whole: Floats = values.copy()
-    whole[known] = np.unwrap(values[known], period=period)
-    return whole
-
-
-def angle_ticks(limits: Limits, period: float, signed: bool) -> list[tuple[float, str]]:
-    """Ticks of an unrolled angle, each named by the angle within one turn."""
-    span = limits[1] - limits[0]
-    parts = (1, 2, 4, 8, 12, 24, 36, 72, 180, 360, 720, 1800, 3600)
-    step = next((period / n for n in reversed(parts) if span / (period / n) <= 5), period)
-    step *= max(1, math.ceil(span / step / 6))
-    ticks = np.arange(math.ceil(limits[0] / step), math.floor(limits[1] / step) + 1) * step
-    low = -period / 2 if signed else 0.0
-    return [(float(t), f"{(t - low) % period + low:.6g}") for t in ticks]
-
-
-def whole(*columns: Floats) -> list[Floats]:
-    """The rows in which every column has a value: a line joins what is known."""
+def drop_nan(*columns: Floats) -> list[Floats]:
+    """The rows in which every column has a value, so that a line joins them."""
     known = np.logical_and.reduce([np.isfinite(column) for column in columns])
     return [column[known] for column in columns]
 
 
-def broken(
-    x: Floats, y: Floats, *others: Floats, period: float | None
-) -> tuple[NDArray[np.float64], ...]:
-    """The columns with a gap wherever an angle ``y`` jumps by more than half its period."""
-    columns = (x, y, *others)
-    if period is None or len(y) < 2:
-        return columns
-    jumps = np.flatnonzero(np.abs(np.diff(y)) > period / 2) + 1
-    return tuple(np.insert(column, jumps, np.nan) for column in columns)
-
-
-def runs(*columns: Floats) -> list[slice]:
-    """The stretches over which every column has a value."""
-    whole = np.logical_and.reduce([np.isfinite(column) for column in columns])
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], whole, [False]]).astype(int)))
+def finite_runs(*columns: Floats) -> list[slice]:
+    """The slices of consecutive rows in which every column has a value."""
+    known = np.logical_and.reduce([np.isfinite(column) for column in columns])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
     return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+class TimeAxis:
+    """A time axis: minutes since the first time, or indices of frames or steps without times."""
+
+    def __init__(self, times: Any, count: int, unit_name: str) -> None:
+        given = np.arange(count) if times is None else floats(times)
+        if len(given) != count:
+            raise ValueError(f"times has {len(given)} {unit_name}s, the results have {count}")
+        self.x: Floats = floats(given if times is None else (given - given[0]) / 60.0)
+        self.label = unit_name if times is None else "minutes since start"
+        self.unit = "" if times is None else "min"
+
+    @property
+    def limits(self) -> Limits:
+        """The limits of the axis, with a margin of 2 %."""
+        ends = (float(self.x.min()), float(self.x.max())) if self.x.size else (0.0, 1.0)
+        margin = 0.02 * (ends[1] - ends[0]) or 0.5
+        return ends[0] - margin, ends[1] + margin
+
+    def panel(
+        self, bounds: Bounds, primitives: Sequence[Primitive], limits: Limits, **content: Any
+    ) -> Panel:
+        """A panel with this x axis."""
+        return Panel(
+            bounds,
+            tuple(primitives),
+            x_limits=self.limits,
+            y_limits=limits,
+            x_unit=self.unit,
+            **content,
+        )
 
 
 def _finite(values: Iterable[Floats | float]) -> NDArray[np.float64]:

@@ -1,12 +1,10 @@
-"""Figures of a diagnosis: one track in full, or all of them at a glance."""
+"""Figures of a diagnosis: one track in full, an overview of all tracks, a comparison."""
 
-from typing import Any, Literal
+from typing import Any
 
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog
-from trackmetrics.report.scene import Scene
-from trackmetrics.report.theme import theme
-
-Backend = Literal["matplotlib", "plotly"]
+from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.logs import EstimatorLog
+from trackmetrics.report.draw import Backend, draw
 
 
 def track_figure(
@@ -17,19 +15,20 @@ def track_figure(
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
-    """One track in full: NIS, NEES, its support, and each state's value, claim and error.
+    """One track in full: its NIS, NEES, measurements and states.
 
-    NIS and NEES stand per degree of freedom on logarithmic axes, with the 95 % chi-square interval
-    of each point's own degrees of freedom and the mean of each segment in the colour of its label.
-    Below, one row a state: measured, estimated and true value with plus or minus two claimed
-    standard deviations; the claim over its reference; the error over the claim.
+    NIS and NEES are drawn per degree of freedom on logarithmic axes, with the 95 % chi-square
+    interval of each update and the mean of each segment in the colour of its label.
+    Below, one row per state: measured, estimated and true value with plus or minus two standard
+    deviations of the covariance; the standard deviation over its reference; the error over the
+    standard deviation. A panel is left out if the log lacks its columns.
 
     Parameters
     ----------
     diagnosis
-        What :func:`trackmetrics.diagnostics.diagnose` found.
+        The result of :func:`trackmetrics.diagnostics.diagnose`.
     log
-        The log it was made from; None draws the segments alone.
+        The log it was made from; None draws only the segments.
     track
         The name of the track.
     backend
@@ -48,10 +47,10 @@ def track_figure(
         If there is no such track.
     """
     from trackmetrics.report.track_scene import track_scene
-    from trackmetrics.report.track_view import subjects
+    from trackmetrics.report.track_view import track_views
 
     name = diagnosis[track].track
-    chosen = next(s for s in subjects(diagnosis, log) if s.track.track == name)
+    chosen = next(s for s in track_views(diagnosis, log) if s.track.track == name)
     return draw(track_scene(chosen), backend, dark)
 
 
@@ -59,19 +58,19 @@ def overview_figure(
     diagnosis: Diagnosis,
     log: EstimatorLog | None = None,
     *,
-    title: str = "Is the filter honest, and since when?",
+    title: str = "Consistency of all tracks over time",
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
-    """All tracks, the most severe on top: one lane each with its segments, onset and alarm.
+    """All tracks, the most severe at the top: one row each with its segments, onset and alarm.
 
-    The upper half of a lane is the NIS, the lower half the NEES. The parameters are those of
+    The upper half of a row is the NIS, the lower half the NEES. The parameters are those of
     :func:`track_figure`.
     """
-    from trackmetrics.report.overview_scene import lanes_scene
-    from trackmetrics.report.track_view import subjects
+    from trackmetrics.report.overview_scene import overview_scene
+    from trackmetrics.report.track_view import track_views
 
-    return draw(lanes_scene(subjects(diagnosis, log), title), backend, dark)
+    return draw(overview_scene(track_views(diagnosis, log), title), backend, dark)
 
 
 def comparison_figure(
@@ -81,26 +80,13 @@ def comparison_figure(
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
-    """NIS and NEES of the eight most severe tracks over each other, each in its colour.
+    """NIS and NEES of the eight most severe tracks in the same axes, each in its colour.
 
     The parameters are those of :func:`track_figure`.
     """
-    from trackmetrics.report.overview_scene import comparison_scene
+    from trackmetrics.report.comparison_scene import comparison_scene
     from trackmetrics.report.theme import TRACK_COLOURS
-    from trackmetrics.report.track_view import subjects
+    from trackmetrics.report.track_view import track_views
 
-    every = subjects(diagnosis, log)
+    every = track_views(diagnosis, log)
     return draw(comparison_scene(every, every[:TRACK_COLOURS]), backend, dark)
-
-
-def draw(scene: Scene, backend: str, dark: bool) -> Any:
-    """The scene as a figure of one of the two libraries."""
-    if backend == "matplotlib":
-        from trackmetrics.report import draw_matplotlib
-
-        return draw_matplotlib.draw(scene, theme(dark))
-    if backend == "plotly":
-        from trackmetrics.report import draw_plotly
-
-        return draw_plotly.draw(scene, theme(dark))
-    raise ValueError(f"backend must be 'matplotlib' or 'plotly', got {backend!r}")

@@ -1,4 +1,4 @@
-"""One self-contained page about a diagnosis: no network, no second file.
+"""One self-contained HTML page about a diagnosis.
 
 The HTML comes from ``templates/``. Plotly and the figures travel compressed inside it and are
 unpacked by the browser when they are looked at, so that a hundred tracks are a few megabytes.
@@ -7,25 +7,27 @@ unpacked by the browser when they are looked at, so that a hundred tracks are a 
 import base64
 import gzip
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from trackmetrics.diagnostics import Diagnosis, EstimatorLog
+from trackmetrics._format import number, p_value
+from trackmetrics.diagnostics import Diagnosis
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
+from trackmetrics.report.comparison_scene import comparison_scene
 from trackmetrics.report.holdout_section import predictions
-from trackmetrics.report.overview_scene import comparison_scene
-from trackmetrics.report.page_tables import lanes, moments, track_tables, update_table
+from trackmetrics.report.page_tables import first_event, timeline_bars, track_tables, update_table
+from trackmetrics.report.templates import environment
 from trackmetrics.report.track_scene import track_scene
-from trackmetrics.report.track_view import Subject, subjects
+from trackmetrics.report.track_view import TrackView, track_views
 from trackmetrics.vessel import HeldOut
 
 SHOWN = theme.TRACK_COLOURS
-"""How many tracks the comparison shows at first, the most severe ones."""
+"""Number of tracks that the comparison shows at first, the most severe ones."""
 
 
-def page(
+def render_page(
     diagnosis: Diagnosis,
     log: EstimatorLog | None = None,
     *,
@@ -34,55 +36,53 @@ def page(
 ) -> str:
     """The diagnosis as one HTML file: overview, comparison, and each track in full.
 
-    The overview lists the tracks, the most severe first, with their verdicts, since when, the
-    weakest state and the paragraph in words; tracks can be switched off, sorted and searched. The
+    The overview lists the tracks, the most severe first, with their verdicts, onset times, the
+    weakest state and a summary; tracks can be switched off, sorted and searched. The
     figures are interactive and drawn when they are opened. The page follows the system's light or
     dark theme and has a switch; it needs no network.
 
     Parameters
     ----------
     diagnosis
-        What :func:`trackmetrics.diagnostics.diagnose` found.
+        The result of :func:`trackmetrics.diagnostics.diagnose`.
     log
         The log it was made from; None shows the segments without the updates.
     title
         Heading of the page.
     held_out
-        What :func:`trackmetrics.vessel.predictive_nis` found: makes a section about the reports
+        The result of :func:`trackmetrics.vessel.predictive_nis`: adds a section about the reports
         that the filter was not given.
 
     Returns
     -------
     str
-        The page. Of its size, some two megabytes are plotly.
+        The page. Of its size, about two megabytes are plotly.
     """
-    import jinja2
     from plotly.offline import get_plotlyjs
 
-    every = subjects(diagnosis, log)
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("trackmetrics.report"),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
+    views = track_views(diagnosis, log)
+    env = environment()
+    env.globals.update(
+        verdict_label=theme.verdict_label,
+        verdict_symbol=theme.verdict_symbol,
+        role=theme.verdict_role,
     )
-    environment.globals.update(words=theme.words, glyph=theme.glyph, role=theme.verdict_role)
-    environment.filters.update(number=number, p=_p_value)
-    plotly, compared = get_plotlyjs(), draw_plotly.figure(comparison_scene(every))
-    return environment.get_template("page.html").render(
+    env.filters.update(number=number, p=p_value)
+    plotly, compared = get_plotlyjs(), draw_plotly.figure(comparison_scene(views))
+    html: str = env.get_template("page.html").render(
         title=title,
         warnings=diagnosis.warnings,
-        counts=_counts(every),
-        tracks=[_track(i, subject, compared) for i, subject in enumerate(every)],
-        predictions=predictions(every, held_out),
+        counts=_counts(views),
+        tracks=[_track(i, view, compared) for i, view in enumerate(views)],
+        predictions=predictions(views, held_out),
         themes=theme.THEMES,
         shown=SHOWN,
         comparison=_packed({**compared, "data": []}),
         plotly=_compressed(plotly),
         plotly_licence=plotly[: plotly.index("*/")].removeprefix("/**").strip(),
-        clock=every[0].clock.label if every else "minutes since start",
+        clock=views[0].clock.label if views else "minutes since start",
     )
+    return html
 
 
 def write_page(
@@ -93,47 +93,36 @@ def write_page(
     title: str = "Estimator diagnosis",
     held_out: Mapping[str, HeldOut] | None = None,
 ) -> None:
-    """Write :func:`page` to a file."""
-    html = page(diagnosis, log, title=title, held_out=held_out)
+    """Write :func:`render_page` to a file."""
+    html = render_page(diagnosis, log, title=title, held_out=held_out)
     Path(path).write_text(html, encoding="utf-8")
 
 
-def number(value: float | None, digits: int = 3) -> str:
-    """A number in a table; a dash where there is none."""
-    if value is None or math.isnan(value):
-        return "–"
-    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
-
-
-def _p_value(value: float) -> str:
-    return number(value, 2) if value > 0 else "< 1e-300"
-
-
-def _counts(every: list[Subject]) -> dict[str, int]:
-    """How many tracks have each verdict, the most severe first."""
+def _counts(views: list[TrackView]) -> dict[str, int]:
+    """The number of tracks with each verdict, the most severe first."""
     counts: dict[str, int] = {}
-    for subject in every:
-        counts[subject.track.verdict] = counts.get(subject.track.verdict, 0) + 1
+    for view in views:
+        counts[view.track.verdict] = counts.get(view.track.verdict, 0) + 1
     return counts
 
 
-def _track(index: int, subject: Subject, compared: dict[str, Any]) -> dict[str, Any]:
-    """What the template and the browser need of one track."""
-    name = draw_plotly.literal(subject.track.track)
+def _track(index: int, view: TrackView, compared: dict[str, Any]) -> dict[str, Any]:
+    """The content of the template and of the browser for one track."""
+    name = draw_plotly.literal(view.track.track)
     own = [trace for trace in compared["data"] if trace["name"] == name]
     figures = {
         "comparison": [{**trace, "showlegend": False} for trace in own],
-        "sheet": draw_plotly.figure(track_scene(subject, titled=False)),
-        "updates": update_table(subject),
+        "track": draw_plotly.figure(track_scene(view, titled=False)),
+        "updates": update_table(view),
     }
     return {
         "index": index,
         "on": index < SHOWN,
-        "diagnosis": subject.track,
-        "style": subject.style,
-        "since": moments(subject),
-        "lanes": lanes(subject),
-        "tables": track_tables(subject),
+        "diagnosis": view.track,
+        "style": view.style,
+        "since": first_event(view),
+        "bars": timeline_bars(view),
+        "tables": track_tables(view),
         "data": _packed(figures),
     }
 
@@ -143,5 +132,5 @@ def _packed(content: Any) -> str:
 
 
 def _compressed(text: str) -> str:
-    """Text as the browser unpacks it; the same text gives the same bytes."""
+    """The text as the browser unpacks it; the same text gives the same bytes."""
     return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()

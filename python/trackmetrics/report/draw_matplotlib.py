@@ -7,14 +7,14 @@ from trackmetrics.report.axes import log_ticks
 from trackmetrics.report.layout import LEGEND_COLUMNS
 from trackmetrics.report.scene import (
     Band,
-    Bars,
-    Boxes,
+    ErrorBars,
     Event,
-    Level,
+    HLine,
     Line,
-    Mark,
     Panel,
     Points,
+    Primitive,
+    Rects,
     Scene,
     Text,
 )
@@ -45,32 +45,34 @@ _DASHES: dict[str, Any] = {
 def draw(scene: Scene, theme: Theme) -> Any:
     """A ``matplotlib.figure.Figure``."""
     from matplotlib.figure import Figure
-    from matplotlib.text import Text as Words
+    from matplotlib.text import Text as MatplotlibText
 
     figure = Figure(figsize=(scene.width / INCH, scene.height / INCH), dpi=INCH)
     figure.set_facecolor(theme.rgba("surface"))
     if scene.title:
         _headline(figure, scene, theme)
     for heading in scene.headings:
-        place = (heading.left / scene.width, 1 - heading.top / scene.height)
-        figure.text(*place, heading.text, color=theme.rgba("muted"), size=12 * _POINT, va="bottom")
+        position = (heading.left / scene.width, 1 - heading.top / scene.height)
+        figure.text(
+            *position, heading.text, color=theme.rgba("muted"), size=12 * _POINT, va="bottom"
+        )
     linked: dict[bool, Any] = {}
     for panel in scene.panels:
         axes = _axes(figure, scene, panel, linked.get(panel.linked))
         if panel.linked:
             linked.setdefault(True, axes)
         _dress(axes, panel, theme)
-        for mark in panel.marks:
-            _DRAW[type(mark)](axes, mark, theme)
+        for item in panel.primitives:
+            _DRAW[type(item)](axes, item, theme)
         if panel.legend:
             _legend(axes, theme)
-    for text in figure.findobj(Words):
+    for text in figure.findobj(MatplotlibText):
         text.set_parse_math(False)
     return figure
 
 
 def _headline(figure: Any, scene: Scene, theme: Theme) -> None:
-    left = scene.panels[0].place.left / scene.width if scene.panels else 0.05
+    left = scene.panels[0].bounds.left / scene.width if scene.panels else 0.05
     y = 1 - 18.0 / scene.height
     figure.text(
         left, y, scene.title, color=theme.rgba("ink"), size=20 * _POINT, weight="bold", va="top"
@@ -80,14 +82,14 @@ def _headline(figure: Any, scene: Scene, theme: Theme) -> None:
 
 
 def _axes(figure: Any, scene: Scene, panel: Panel, shared: Any) -> Any:
-    place = panel.place
-    bounds = (
-        place.left / scene.width,
-        1 - (place.top + place.height) / scene.height,
-        place.width / scene.width,
-        place.height / scene.height,
+    bounds = panel.bounds
+    fractions = (
+        bounds.left / scene.width,
+        1 - (bounds.top + bounds.height) / scene.height,
+        bounds.width / scene.width,
+        bounds.height / scene.height,
     )
-    return figure.add_axes(bounds, sharex=shared)
+    return figure.add_axes(fractions, sharex=shared)
 
 
 def _dress(axes: Any, panel: Panel, theme: Theme) -> None:
@@ -124,7 +126,7 @@ def _ticks(axes: Any, panel: Panel) -> None:
     if ticks is not None:
         axes.set_yticks([value for value, _ in ticks], [name for _, name in ticks])
         axes.yaxis.set_minor_locator(NullLocator())
-    elif panel.place.height < 150:
+    elif panel.bounds.height < 150:
         axes.locator_params(axis="y", nbins=4)
     if panel.x_ticks is not None:
         axes.set_xticks(*zip(*panel.x_ticks, strict=True))
@@ -142,87 +144,101 @@ def _legend(axes: Any, theme: Theme) -> None:
     )
 
 
-def _line(axes: Any, mark: Line, theme: Theme) -> None:
+def _line(axes: Any, item: Line, theme: Theme) -> None:
     axes.plot(
-        mark.x,
-        mark.y,
-        color=theme.rgba(mark.colour),
-        linewidth=mark.width * _POINT,
-        linestyle=_DASHES[mark.dash],
-        drawstyle="steps-post" if mark.steps else "default",
-        label=mark.name or "_",
+        item.x,
+        item.y,
+        color=theme.rgba(item.colour),
+        linewidth=item.width * _POINT,
+        linestyle=_DASHES[item.dash],
+        drawstyle="steps-post" if item.steps else "default",
+        label=item.name or "_",
         zorder=3,
         solid_capstyle="butt",
     )
 
 
-def _points(axes: Any, mark: Points, theme: Theme) -> None:
-    colour = theme.rgba(mark.colour)
+def _points(axes: Any, item: Points, theme: Theme) -> None:
+    colour = theme.rgba(item.colour)
     axes.plot(
-        mark.x,
-        mark.y,
+        item.x,
+        item.y,
         linestyle="none",
-        marker=_MARKERS[mark.symbol],
-        markersize=mark.size * _POINT,
-        markerfacecolor="none" if mark.hollow else colour,
-        markeredgecolor=colour if mark.hollow else theme.rgba("surface"),
-        markeredgewidth=1.2 * _POINT if mark.hollow else 0.5 * _POINT,
+        marker=_MARKERS[item.symbol],
+        markersize=item.size * _POINT,
+        markerfacecolor="none" if item.hollow else colour,
+        markeredgecolor=colour if item.hollow else theme.rgba("surface"),
+        markeredgewidth=1.2 * _POINT if item.hollow else 0.5 * _POINT,
         zorder=3,
     )
 
 
-def _band(axes: Any, mark: Band, theme: Theme) -> None:
-    colour = theme.rgba(mark.colour)
+def _band(axes: Any, item: Band, theme: Theme) -> None:
+    colour = theme.rgba(item.colour)
     axes.fill_between(
-        mark.x, mark.low, mark.high, color=colour, linewidth=0, label=mark.name or "_", zorder=1.5
+        item.x,
+        item.low,
+        item.high,
+        color=colour,
+        linewidth=0,
+        label=item.name or "_",
+        zorder=1.5,
     )
 
 
-def _bars(axes: Any, mark: Bars, theme: Theme) -> None:
+def _bars(axes: Any, item: ErrorBars, theme: Theme) -> None:
     axes.vlines(
-        mark.x,
-        mark.low,
-        mark.high,
-        color=theme.rgba(mark.colour),
-        linewidth=mark.width * _POINT,
+        item.x,
+        item.low,
+        item.high,
+        color=theme.rgba(item.colour),
+        linewidth=item.width * _POINT,
         capstyle="butt",
         zorder=1.2,
     )
 
 
-def _boxes(axes: Any, mark: Boxes, theme: Theme) -> None:
+def _boxes(axes: Any, item: Rects, theme: Theme) -> None:
     from matplotlib.collections import PolyCollection
 
     corners = [
         [(a, c), (b, c), (b, d), (a, d)]
-        for a, b, c, d in zip(mark.left, mark.right, mark.low, mark.high, strict=True)
+        for a, b, c, d in zip(item.left, item.right, item.low, item.high, strict=True)
     ]
-    boxes = PolyCollection(corners, facecolor=theme.rgba(mark.colour), linewidth=0, zorder=1.4)
+    boxes = PolyCollection(corners, facecolor=theme.rgba(item.colour), linewidth=0, zorder=1.4)
     axes.add_collection(boxes, autolim=False)
 
 
-def _level(axes: Any, mark: Level, theme: Theme) -> None:
-    colour = theme.rgba(mark.colour)
-    if mark.top is not None:
-        axes.axhspan(mark.y, mark.top, color=colour, linewidth=0, zorder=1)
+def _level(axes: Any, item: HLine, theme: Theme) -> None:
+    colour = theme.rgba(item.colour)
+    if item.top is not None:
+        axes.axhspan(item.y, item.top, color=colour, linewidth=0, zorder=1)
     else:
         axes.axhline(
-            mark.y, color=colour, linewidth=1.0 * _POINT, linestyle=_DASHES[mark.dash], zorder=2
+            item.y,
+            color=colour,
+            linewidth=1.0 * _POINT,
+            linestyle=_DASHES[item.dash],
+            zorder=2,
         )
 
 
-def _event(axes: Any, mark: Event, theme: Theme) -> None:
-    colour = theme.rgba(mark.colour)
+def _event(axes: Any, item: Event, theme: Theme) -> None:
+    colour = theme.rgba(item.colour)
     axes.axvline(
-        mark.x, color=colour, linewidth=1.4 * _POINT, linestyle=_DASHES[mark.dash], zorder=2.5
+        item.x,
+        color=colour,
+        linewidth=1.4 * _POINT,
+        linestyle=_DASHES[item.dash],
+        zorder=2.5,
     )
     axes.annotate(
-        mark.label,
-        (mark.x, 1.0),
+        item.label,
+        (item.x, 1.0),
         xycoords=("data", "axes fraction"),
-        xytext=(-3 if mark.left else 3, -2 - 14 * _POINT * mark.row),
+        xytext=(-3 if item.left else 3, -2 - 14 * _POINT * item.row),
         textcoords="offset points",
-        ha="right" if mark.left else "left",
+        ha="right" if item.left else "left",
         va="top",
         size=11 * _POINT,
         color=colour,
@@ -230,29 +246,29 @@ def _event(axes: Any, mark: Event, theme: Theme) -> None:
     )
 
 
-def _text(axes: Any, mark: Text, theme: Theme) -> None:
+def _text(axes: Any, item: Text, theme: Theme) -> None:
     axes.annotate(
-        mark.text,
-        (mark.x, mark.y),
-        xytext=(0, 2 if mark.above else 0),
+        item.text,
+        (item.x, item.y),
+        xytext=(0, 2 if item.above else 0),
         textcoords="offset points",
-        ha=mark.anchor,
-        va="bottom" if mark.above else "center",
+        ha=item.anchor,
+        va="bottom" if item.above else "center",
         size=11.5 * _POINT,
-        color=theme.rgba(mark.colour),
-        weight="bold" if mark.bold else "normal",
+        color=theme.rgba(item.colour),
+        weight="bold" if item.bold else "normal",
         bbox={"facecolor": theme.rgba("surface/0.75"), "edgecolor": "none", "pad": 0.5},
         zorder=5,
         annotation_clip=False,
     )
 
 
-_DRAW: dict[type[Mark], Callable[[Any, Any, Theme], None]] = {
+_DRAW: dict[type[Primitive], Callable[[Any, Any, Theme], None]] = {
     Band: _band,
-    Bars: _bars,
-    Boxes: _boxes,
+    ErrorBars: _bars,
+    Rects: _boxes,
     Event: _event,
-    Level: _level,
+    HLine: _level,
     Line: _line,
     Points: _points,
     Text: _text,

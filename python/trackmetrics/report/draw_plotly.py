@@ -1,7 +1,7 @@
-"""Draws a scene for plotly: as a plain dictionary whose colours are roles still.
+"""Draws a scene with plotly: as a plain dictionary whose colours are roles.
 
 ``{"color": "@track-3/0.2"}`` is a role; :func:`coloured` puts a theme's colours in, in Python for
-a figure, in the browser for the page: so the page changes its theme without a second copy of the
+a figure, in the browser for the page. So the page changes its theme without a second copy of the
 data.
 """
 
@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics.report.axes import log_ticks, runs
+from trackmetrics.report.axes import finite_runs, log_ticks
 from trackmetrics.report.scene import (
     Band,
-    Bars,
-    Boxes,
+    ErrorBars,
     Event,
     Floats,
-    Level,
+    HLine,
     Line,
-    Mark,
     Panel,
     Points,
+    Primitive,
+    Rects,
     Scene,
     Text,
 )
@@ -59,28 +59,28 @@ def figure(scene: Scene) -> Json:
         x, y = _axis_names(i)
         layout[f"xaxis{x[1:]}"], layout[f"yaxis{y[1:]}"] = _axes(scene, panel, i, first)
         layout["annotations"] += _title(scene, panel)
-        for mark in panel.marks:
-            _DRAW[type(mark)](_Target(panel, x, y, data, layout), mark)
+        for item in panel.primitives:
+            _DRAW[type(item)](_Target(panel, x, y, data, layout), item)
     return {"data": data, "layout": layout}
 
 
 class _Target:
-    """Where the marks of one panel go."""
+    """Where the primitives of one panel go."""
 
     def __init__(self, panel: Panel, x: str, y: str, data: list[Json], layout: Json) -> None:
         self.panel, self.x, self.y, self.data, self.layout = panel, x, y, data, layout
 
-    def trace(self, mark: Any, **content: Any) -> None:
+    def trace(self, item: Any, **content: Any) -> None:
         """Adds a trace."""
         axes = {"xaxis": self.x, "yaxis": self.y, "type": "scatter"}
         named = {
-            "name": literal(mark.name),
-            "showlegend": self.panel.legend and isinstance(mark, (Line, Band)) and bool(mark.name),
+            "name": literal(item.name),
+            "showlegend": self.panel.legend and isinstance(item, (Line, Band)) and bool(item.name),
         }
         self.data.append({**axes, **named, **content})
 
     def annotation(self, **content: Any) -> None:
-        """Adds words."""
+        """Adds a text."""
         self.layout["annotations"].append({"showarrow": False, "xref": self.x, **content})
 
     def shape(self, **content: Any) -> None:
@@ -93,9 +93,9 @@ class _Target:
 
 
 def literal(text: str) -> str:
-    """Words that plotly shows as they are: it reads tags in them, and templates in hover words.
+    """Escapes a text so that plotly shows it unchanged.
 
-    And a first ``@`` would be read as a role.
+    Plotly interprets tags, and templates in hover texts; a leading ``@`` would be read as a role.
     """
     safe = escape(text, quote=False).replace("%{", "%&#123;")
     return "&#64;" + safe[1:] if safe.startswith("@") else safe
@@ -139,34 +139,34 @@ def _layout(scene: Scene) -> Json:
         "annotations": [],
     }
     for heading in scene.headings:
-        words = _words(scene, heading.left, heading.top, heading.text, 12, "@muted")
-        layout["annotations"].append({**words, "yanchor": "bottom"})
+        text = _text_at(scene, heading.left, heading.top, heading.text, 12, "@muted")
+        layout["annotations"].append({**text, "yanchor": "bottom"})
     if scene.title:
-        left = scene.panels[0].place.left if scene.panels else 0.0
+        left = scene.panels[0].bounds.left if scene.panels else 0.0
         layout["annotations"] += [
-            _words(scene, left, 18, f"<b>{literal(scene.title)}</b>", 20, "@ink"),
-            _words(scene, left, 46, literal(scene.subtitle).replace("\n", "<br>"), 13, "@muted"),
+            _text_at(scene, left, 18, f"<b>{literal(scene.title)}</b>", 20, "@ink"),
+            _text_at(scene, left, 46, literal(scene.subtitle).replace("\n", "<br>"), 13, "@muted"),
         ]
     return layout
 
 
 def _legend(scene: Scene) -> Json:
     """Above the right end of the panel that has one."""
-    place = next((panel.place for panel in scene.panels if panel.legend), None)
-    if place is None:
+    bounds = next((panel.bounds for panel in scene.panels if panel.legend), None)
+    if bounds is None:
         return {}
     return {
         "orientation": "h",
-        "x": (place.left + place.width) / scene.width,
+        "x": (bounds.left + bounds.width) / scene.width,
         "xanchor": "right",
-        "y": 1 - (place.top - 2) / scene.height,
+        "y": 1 - (bounds.top - 2) / scene.height,
         "yanchor": "bottom",
         "font": {"size": 11.5, "color": "@ink"},
         "bgcolor": "@surface/0",
     }
 
 
-def _words(scene: Scene, left: float, top: float, text: str, size: float, colour: str) -> Json:
+def _text_at(scene: Scene, left: float, top: float, text: str, size: float, colour: str) -> Json:
     return {
         "text": text,
         "showarrow": False,
@@ -184,13 +184,15 @@ def _words(scene: Scene, left: float, top: float, text: str, size: float, colour
 def _title(scene: Scene, panel: Panel) -> list[Json]:
     if not panel.title:
         return []
-    words = _words(scene, panel.place.left, panel.place.top - 4, literal(panel.title), 12.5, "@ink")
-    return [{**words, "yanchor": "bottom"}]
+    text = _text_at(
+        scene, panel.bounds.left, panel.bounds.top - 4, literal(panel.title), 12.5, "@ink"
+    )
+    return [{**text, "yanchor": "bottom"}]
 
 
 def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
-    place = panel.place
-    bottom = 1 - (place.top + place.height) / scene.height
+    bounds = panel.bounds
+    bottom = 1 - (bounds.top + bounds.height) / scene.height
     common = {
         "gridcolor": "@grid",
         "linecolor": "@edge",
@@ -201,7 +203,7 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
     }
     x: Json = {
         **common,
-        "domain": [place.left / scene.width, (place.left + place.width) / scene.width],
+        "domain": [bounds.left / scene.width, (bounds.left + bounds.width) / scene.width],
         "anchor": _axis_names(i)[1],
         "showticklabels": bool(panel.x_label),
         "title": {"text": literal(panel.x_label), "standoff": 6, "font": {"size": 12}},
@@ -214,7 +216,7 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
         x["matches"] = _axis_names(first)[0]
     y = {
         **common,
-        "domain": [bottom, bottom + place.height / scene.height],
+        "domain": [bottom, bottom + bounds.height / scene.height],
         "anchor": _axis_names(i)[0],
         "title": {"text": literal(panel.y_label), "standoff": 8, "font": {"size": 12}},
         **_y_scale(panel),
@@ -231,7 +233,7 @@ def _y_scale(panel: Panel) -> Json:
         ticks = tuple(log_ticks(panel.y_limits))
     if ticks is not None:
         scale |= _named_ticks(ticks)
-    elif panel.place.height < 150:
+    elif panel.bounds.height < 150:
         scale["nticks"] = 5
     return scale
 
@@ -245,80 +247,84 @@ def _hover(target: _Target, name: str) -> str:
     return f"%{{x:.4g}}{unit}<br>%{{y:.4g}}<extra>{literal(name)}</extra>"
 
 
-def _line(target: _Target, mark: Line) -> None:
-    line = {"color": f"@{mark.colour}", "width": mark.width, "dash": mark.dash}
-    if mark.steps:
+def _line(target: _Target, item: Line) -> None:
+    line = {"color": f"@{item.colour}", "width": item.width, "dash": item.dash}
+    if item.steps:
         line["shape"] = "hv"
     target.trace(
-        mark,
+        item,
         mode="lines",
-        x=numbers(mark.x),
-        y=numbers(mark.y, target.panel.log),
+        x=numbers(item.x),
+        y=numbers(item.y, target.panel.log),
         line=line,
-        **({"hovertemplate": _hover(target, mark.name)} if mark.name else {"hoverinfo": "skip"}),
+        **({"hovertemplate": _hover(target, item.name)} if item.name else {"hoverinfo": "skip"}),
     )
 
 
-def _points(target: _Target, mark: Points) -> None:
-    outline = {"color": f"@{mark.colour}" if mark.hollow else "@surface"}
+def _points(target: _Target, item: Points) -> None:
+    outline = {"color": f"@{item.colour}" if item.hollow else "@surface"}
     target.trace(
-        mark,
+        item,
         mode="markers",
-        x=numbers(mark.x),
-        y=numbers(mark.y, target.panel.log),
+        x=numbers(item.x),
+        y=numbers(item.y, target.panel.log),
         marker={
-            "symbol": mark.symbol + ("-open" if mark.hollow else ""),
-            "size": mark.size,
-            "color": f"@{mark.colour}",
-            "line": {**outline, "width": 1.3 if mark.hollow else 0.5},
+            "symbol": item.symbol + ("-open" if item.hollow else ""),
+            "size": item.size,
+            "color": f"@{item.colour}",
+            "line": {**outline, "width": 1.3 if item.hollow else 0.5},
         },
-        hovertemplate=_hover(target, mark.name),
+        hovertemplate=_hover(target, item.name),
         cliponaxis=False,
     )
 
 
-def _area(target: _Target, mark: Band | Boxes, x: list[Any], y: list[Any]) -> None:
+def _area(target: _Target, item: Band | Rects, x: list[Any], y: list[Any]) -> None:
     target.trace(
-        mark,
+        item,
         mode="lines",
         x=x,
         y=y,
         fill="toself",
-        fillcolor=f"@{mark.colour}",
+        fillcolor=f"@{item.colour}",
         line={"width": 0},
         hoverinfo="skip",
     )
 
 
-def _band(target: _Target, mark: Band) -> None:
-    """The outline of each unbroken stretch: along the upper side, back along the lower."""
+def _band(target: _Target, item: Band) -> None:
+    """The outline of each run without gaps: along the upper side, back along the lower."""
     xs: list[float | None] = []
     ys: list[float | None] = []
-    x, high, low = numbers(mark.x), _short(target, mark.high), _short(target, mark.low)
-    for part in runs(mark.x, mark.low, mark.high):
+    x, high, low = (
+        numbers(item.x),
+        _short(target, item.high),
+        _short(target, item.low),
+    )
+    for part in finite_runs(item.x, item.low, item.high):
         gap: list[None] = [None] if xs else []
         xs += [*gap, *x[part], *x[part][::-1]]
         ys += [*gap, *high[part], *low[part][::-1]]
-    _area(target, mark, xs, ys)
+    _area(target, item, xs, ys)
 
 
-def _boxes(target: _Target, mark: Boxes) -> None:
+def _boxes(target: _Target, item: Rects) -> None:
     xs: list[float | None] = []
     ys: list[float | None] = []
-    sides = (numbers(mark.left), numbers(mark.right))
-    edges = (_short(target, mark.low), _short(target, mark.high))
+    sides = (numbers(item.left), numbers(item.right))
+    edges = (_short(target, item.low), _short(target, item.high))
     for a, b, c, d in zip(*sides, *edges, strict=True):
         gap: list[None] = [None] if xs else []
         xs += [*gap, a, b, b, a, a]
         ys += [*gap, c, c, d, d, c]
-    _area(target, mark, xs, ys)
+    _area(target, item, xs, ys)
 
 
-def _bars(target: _Target, mark: Bars) -> None:
-    x = _with_gaps(numbers(mark.x), numbers(mark.x))
-    y = _with_gaps(_short(target, mark.low), _short(target, mark.high))
-    line = {"color": f"@{mark.colour}", "width": mark.width}
-    target.trace(mark, mode="lines", x=x, y=y, line=line, hoverinfo="skip")
+def _bars(target: _Target, item: ErrorBars) -> None:
+    x = _with_gaps(numbers(item.x), numbers(item.x))
+    y = _with_gaps(_short(target, item.low), _short(target, item.high))
+    line = {"color": f"@{item.colour}", "width": item.width}
+    target.trace(item, mode="lines", x=x, y=y, line=line, hoverinfo="skip")
 
 
 def _short(target: _Target, values: Floats) -> list[float | None]:
@@ -329,60 +335,60 @@ def _with_gaps(low: Sequence[float | None], high: Sequence[float | None]) -> lis
     return [value for pair in zip(low, high, strict=True) for value in (*pair, None)]
 
 
-def _level(target: _Target, mark: Level) -> None:
-    across = {"xref": f"{target.x} domain", "yref": target.y, "x0": 0, "x1": 1, "y0": mark.y}
-    if mark.top is None:
-        line = {"color": f"@{mark.colour}", "width": 1, "dash": mark.dash}
-        target.shape(type="line", y1=mark.y, line=line, **across)
+def _level(target: _Target, item: HLine) -> None:
+    across = {"xref": f"{target.x} domain", "yref": target.y, "x0": 0, "x1": 1, "y0": item.y}
+    if item.top is None:
+        line = {"color": f"@{item.colour}", "width": 1, "dash": item.dash}
+        target.shape(type="line", y1=item.y, line=line, **across)
     else:
-        fill = f"@{mark.colour}"
-        target.shape(type="rect", y1=mark.top, fillcolor=fill, line={"width": 0}, **across)
+        fill = f"@{item.colour}"
+        target.shape(type="rect", y1=item.top, fillcolor=fill, line={"width": 0}, **across)
 
 
-def _event(target: _Target, mark: Event) -> None:
-    ends = {"x0": mark.x, "x1": mark.x, "y0": 0, "y1": 1}
-    line = {"color": f"@{mark.colour}", "width": 1.4, "dash": mark.dash}
+def _event(target: _Target, item: Event) -> None:
+    ends = {"x0": item.x, "x1": item.x, "y0": 0, "y1": 1}
+    line = {"color": f"@{item.colour}", "width": 1.4, "dash": item.dash}
     target.shape(type="line", xref=target.x, yref=f"{target.y} domain", line=line, **ends)
     target.annotation(
-        text=mark.label,
-        x=mark.x,
+        text=item.label,
+        x=item.x,
         y=1,
         yref=f"{target.y} domain",
-        xanchor="right" if mark.left else "left",
+        xanchor="right" if item.left else "left",
         yanchor="top",
-        yshift=-14 * mark.row,
-        font={"size": 11, "color": f"@{mark.colour}"},
+        yshift=-14 * item.row,
+        font={"size": 11, "color": f"@{item.colour}"},
     )
 
 
 def _across(target: _Target, x: float) -> Json:
-    """Where words stand; beside the panel they need its own measure, else plotly hides them."""
+    """The x position of a text; in fractions of the panel if outside, where plotly hides it."""
     low, high = target.panel.x_limits or (x, x)
     if low <= x <= high:
         return {"x": x}
     return {"x": (x - low) / (high - low), "xref": f"{target.x} domain"}
 
 
-def _text(target: _Target, mark: Text) -> None:
+def _text(target: _Target, item: Text) -> None:
     target.annotation(
-        text=f"<b>{literal(mark.text)}</b>" if mark.bold else literal(mark.text),
-        **_across(target, mark.x),
-        y=target.height(mark.y),
+        text=f"<b>{literal(item.text)}</b>" if item.bold else literal(item.text),
+        **_across(target, item.x),
+        y=target.height(item.y),
         yref=target.y,
-        xanchor=mark.anchor,
-        yanchor="bottom" if mark.above else "middle",
+        xanchor=item.anchor,
+        yanchor="bottom" if item.above else "middle",
         bgcolor="@surface/0.75",
         borderpad=0,
-        font={"size": 11.5, "color": f"@{mark.colour}"},
+        font={"size": 11.5, "color": f"@{item.colour}"},
     )
 
 
-_DRAW: dict[type[Mark], Callable[[_Target, Any], None]] = {
+_DRAW: dict[type[Primitive], Callable[[_Target, Any], None]] = {
     Band: _band,
-    Bars: _bars,
-    Boxes: _boxes,
+    ErrorBars: _bars,
+    Rects: _boxes,
     Event: _event,
-    Level: _level,
+    HLine: _level,
     Line: _line,
     Points: _points,
     Text: _text,

@@ -1,56 +1,63 @@
-"""Reports left out, on the page: how well each track predicted what it had not been given."""
+"""Section of the page about held-out reports: how well each track predicted them."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from trackmetrics.report.track_view import Subject
+from trackmetrics.report.theme import segment_role
+from trackmetrics.report.track_view import TrackView
 from trackmetrics.vessel import HeldOut
 
-_DECADES = 2.0
-"""How far the axis of scales reaches on either side of 1, in powers of ten."""
+DECADES = 2.0
+"""The axis of scales reaches this many powers of ten on either side of 1."""
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """A row of the table: one track's held-out reports."""
+    """A row of the table: the held-out reports of one track."""
 
     index: int
-    """Place of the track in the overview."""
-    held: HeldOut
-    """What the test found."""
-    fused: str
+    """Position of the track in the overview."""
+    held_out: HeldOut
+    """Result of the test."""
+    verdict_fused: str
     """Verdict of the reports that the filter was given."""
-    left: float
+    interval_left: float
     """Lower end of the interval on the axis of scales, in percent."""
-    width: float
-    """How far the interval reaches from there."""
-    at: float
-    """The scale itself."""
+    interval_width: float
+    """Length of the interval, in percent."""
+    scale_position: float
+    """Position of the scale itself, in percent."""
 
     @property
-    def label(self) -> str:
-        """Colour of the interval, as that of a segment."""
-        return {"optimistic": "high", "pessimistic": "low"}.get(self.held.verdict, "consistent")
+    def role(self) -> str:
+        """Colour of the interval, the same as that of a segment."""
+        return segment_role(self.held_out.verdict)
 
 
-def predictions(every: list[Subject], held_out: Mapping[str, HeldOut] | None) -> list[Prediction]:
-    """The rows, the filters that claim too much first."""
+def predictions(views: list[TrackView], held_out: Mapping[str, HeldOut] | None) -> list[Prediction]:
+    """The rows of the table, the largest scale first."""
     rows = [
-        _prediction(index, subject, held_out[subject.track.track])
-        for index, subject in enumerate(every)
-        if held_out and subject.track.track in held_out
+        _prediction(index, view, held_out[view.track.track])
+        for index, view in enumerate(views)
+        if held_out and view.track.track in held_out
     ]
-    return sorted(rows, key=lambda row: -row.held.scale)
+    return sorted(rows, key=lambda row: -row.held_out.scale)
 
 
-def _prediction(index: int, subject: Subject, held: HeldOut) -> Prediction:
-    left, right = map(_percent, held.interval)
-    fused = subject.track.verdict
-    return Prediction(index, held, fused, left, max(right - left, 1.0), _percent(held.scale))
+def _prediction(index: int, view: TrackView, held_out: HeldOut) -> Prediction:
+    left, right = map(_percent, held_out.interval)
+    return Prediction(
+        index=index,
+        held_out=held_out,
+        verdict_fused=view.track.verdict,
+        interval_left=left,
+        interval_width=max(right - left, 1.0),
+        scale_position=_percent(held_out.scale),
+    )
 
 
 def _percent(scale: float) -> float:
-    """Where a scale stands on the axis, 1 in its middle; beyond an end, at the end."""
-    decades = math.log10(scale) if scale > 0 else -_DECADES
-    return 50.0 + 50.0 * min(max(decades / _DECADES, -1.0), 1.0)
+    """Position of a scale on the axis; 1 is in the middle, values beyond an end are at the end."""
+    decades = math.log10(scale) if scale > 0 else -DECADES
+    return 50.0 + 50.0 * min(max(decades / DECADES, -1.0), 1.0)

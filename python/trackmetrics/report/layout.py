@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from trackmetrics.report.scene import Rectangle
+from trackmetrics.report.scene import Bounds
 
 LEGEND_COLUMNS = 6
 """Names side by side in a legend."""
@@ -19,17 +19,17 @@ class Frame:
     bottom: float = 50.0
     column_gap: float = 64.0
 
-    def rows(self, top: float, heights: Sequence[float], gap: float) -> list[Rectangle]:
+    def rows(self, top: float, heights: Sequence[float], gap: float) -> list[Bounds]:
         """Panels of the whole width, one under the other."""
-        places = []
+        all_bounds = []
         for height in heights:
-            places.append(Rectangle(self.left, top, self.width - self.left - self.right, height))
+            all_bounds.append(Bounds(self.left, top, self.width - self.left - self.right, height))
             top += height + gap
-        return places
+        return all_bounds
 
-    def columns(self, top: float, height: float, count: int) -> list[Rectangle]:
+    def columns(self, top: float, height: float, count: int) -> list[Bounds]:
         """Panels side by side."""
         free = self.width - self.left - self.right - (count - 1) * self.column_gap
         each = free / count
         step = each + self.column_gap
-        return [Rectangle(self.left + i * step, top, each, height) for i in range(count)]
+        return [Bounds(self.left + i * step, top, each, height) for i in range(count)]

@@ -1,106 +1,106 @@
-"""What the page says of a track beside its figures: lanes, moments and tables."""
+"""Texts of the page for one track: the bars of its timeline, its first event, its tables."""
 
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from trackmetrics._format import MISSING, number, p_value
 from trackmetrics.diagnostics import QuantityVerdict
 from trackmetrics.report.draw_plotly import numbers
-from trackmetrics.report.track_view import Subject
+from trackmetrics.report.theme import segment_verdict
+from trackmetrics.report.track_view import TrackView
 
 
 @dataclass(frozen=True)
-class Stretch:
-    """A segment in the lane of a track: percent of the time axis, and what it says."""
+class TimelineBar:
+    """A segment in the timeline of a track, in percent of the time axis, with its tooltip."""
 
     left: float
     width: float
     top: int
     label: str
-    words: str
+    tooltip: str
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of words."""
+    """A table of texts."""
 
     caption: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
 
-def lanes(subject: Subject) -> list[Stretch]:
-    """The segments of NIS and, below, of NEES, for the small picture in the overview."""
-    stretches = []
-    for row, verdict in enumerate(subject.quantities()):
+def timeline_bars(view: TrackView) -> list[TimelineBar]:
+    """The segments of NIS and, below, of NEES, for the timeline in the overview."""
+    bars = []
+    for row, verdict in enumerate(view.quantities()):
         for segment in verdict.segments:
             left, right = (
-                100 * subject.clock.at(time) / subject.span[1]
+                100 * view.clock.at(time) / view.span[1]
                 for time in (segment.start_time, segment.stop_time)
             )
             scale = f"{verdict.quantity.upper()} scale {segment.scale:.3g}, {segment.label}"
             wide = max(right - left, 1.2)
-            stretches.append(Stretch(left, wide, 11 * row, segment.label, scale))
-    return stretches
+            bars.append(TimelineBar(left, wide, 11 * row, segment.label, scale))
+    return bars
 
 
-def moments(subject: Subject) -> tuple[float, list[str]]:
-    """Since when: the first onset or settling in minutes, and the words for each."""
-    found = [m for verdict in subject.quantities() for m in _moments(subject, verdict)]
+def first_event(view: TrackView) -> tuple[float, list[str]]:
+    """The first onset or settling in minutes, and a text for each onset and settling."""
+    found = [m for verdict in view.quantities() for m in _events(view, verdict)]
     if not found:
-        return float("inf"), ["–"]
-    return min(minute for minute, _ in found), [words for _, words in found]
+        return float("inf"), [MISSING]
+    return min(minute for minute, _ in found), [text for _, text in found]
 
 
-def _moments(subject: Subject, verdict: QuantityVerdict) -> list[tuple[float, str]]:
+def _events(view: TrackView, verdict: QuantityVerdict) -> list[tuple[float, str]]:
     name = verdict.quantity.upper()
     times = (("from", verdict.onset_time), ("settled", verdict.settle_time))
-    at = [(word, subject.clock.at(time)) for word, time in times if time is not None]
-    return [(minute, f"{name} {word} {minute:.4g} min") for word, minute in at]
+    at = [(event, view.clock.at(time)) for event, time in times if time is not None]
+    return [(minute, f"{name} {event} {number(minute, 4)} min") for event, minute in at]
 
 
-def track_tables(subject: Subject) -> list[Table]:
+def track_tables(view: TrackView) -> list[Table]:
     """The tables of a track that have rows."""
-    tables = (_segments(subject), _states(subject), _biases(subject), _outliers(subject))
+    tables = (_segments(view), _states(view), _biases(view), _outliers(view))
     return [table for table in tables if table.rows]
 
 
-def _segments(subject: Subject) -> Table:
+def _segments(view: TrackView) -> Table:
     """Each segment with its scale."""
     rows = tuple(
         (
             verdict.quantity.upper(),
-            f"{subject.clock.at(s.start_time):.4g} to {subject.clock.at(s.stop_time):.4g}",
+            f"{view.clock.at(s.start_time):.4g} to {view.clock.at(s.stop_time):.4g}",
             str(s.stop - s.start),
-            f"{s.scale:.3g}",
-            f"{s.interval[0]:.3g} to {s.interval[1]:.3g}",
-            f"{s.p_value:.2g}",
-            {"high": "too large", "low": "too small"}.get(s.label, "as promised"),
+            number(s.scale),
+            f"{number(s.interval[0])} to {number(s.interval[1])}",
+            p_value(s.p_value),
+            segment_verdict(s.label),
         )
-        for verdict in subject.quantities()
+        for verdict in view.quantities()
         for s in verdict.segments
     )
-    head = ("", "minutes", "updates", "scale", "95 % interval", "p", "errors are")
-    return Table("Segments: squared errors over what the covariance promises", head, rows)
+    head = ("", "minutes", "updates", "scale", "95 % interval", "p", "verdict")
+    return Table("Segments: squared errors over their expectation from the covariance", head, rows)
 
 
-def _states(subject: Subject) -> Table:
-    """Each state with its support, its claim and its part in the fault."""
-    minute = subject.clock.minute
+def _states(view: TrackView) -> Table:
+    """Each state with its measurements, its standard deviation and its share of the NEES."""
+    minute = view.clock.minute
     rows = tuple(
         (
             f"{s.state} ({s.unit})" if s.unit else s.state,
             ", ".join(s.observed_by) or "never directly",
-            "–" if s.support is None else str(s.support),
-            _number(s.longest_gap / minute),
-            _number(s.reference_std),
-            _number(s.peak_growth),
-            _number(s.information_gain),
-            _number(s.share),
-            _number(s.marginal),
+            MISSING if s.support is None else str(s.support),
+            number(s.longest_gap / minute),
+            number(s.reference_std),
+            number(s.peak_growth),
+            number(s.information_gain),
+            number(s.share),
+            number(s.marginal),
         )
-        for s in subject.track.states
+        for s in view.track.states
     )
     head = (
         "state",
@@ -116,51 +116,52 @@ def _states(subject: Subject) -> Table:
     return _without_empty(Table("States", head, rows))
 
 
-def _biases(subject: Subject) -> Table:
+def _biases(view: TrackView) -> Table:
     rows = tuple(
         (
             b.kind,
-            b.measurement_type or "–",
+            b.measurement_type or MISSING,
             b.component,
-            f"{b.value:.3g} {b.unit}".rstrip(),
-            f"{b.z:.2g}",
-            f"{b.p_value:.2g}",
+            f"{number(b.value)} {b.unit}".rstrip(),
+            number(b.z, 2),
+            p_value(b.p_value),
         )
-        for b in subject.track.biases
+        for b in view.track.biases
     )
     return Table("Biases", ("of", "measurement", "component", "offset", "z", "p"), rows)
 
 
-def _outliers(subject: Subject) -> Table:
+def _outliers(view: TrackView) -> Table:
     rows = tuple(
-        (f"{subject.clock.at(o.time):.4g}", f"{o.nis:.4g}", f"{o.dof:g}", f"{o.p_value:.2g}")
-        for o in subject.track.outliers
+        (
+            number(view.clock.at(o.time), 4),
+            number(o.nis, 4),
+            f"{o.dof:g}",
+            p_value(o.p_value),
+        )
+        for o in view.track.outliers
     )
     return Table("Isolated outliers", ("minute", "NIS", "dof", "p"), rows)
 
 
 def _without_empty(table: Table) -> Table:
     """The table without the columns that hold nothing."""
-    kept = [i for i in range(len(table.head)) if any(row[i] != "–" for row in table.rows)]
+    kept = [i for i in range(len(table.head)) if any(row[i] != MISSING for row in table.rows)]
     rows = tuple(tuple(row[i] for i in kept) for row in table.rows)
     return Table(table.caption, tuple(table.head[i] for i in kept), rows)
 
 
-def _number(value: float) -> str:
-    return f"{value:.3g}" if np.isfinite(value) else "–"
-
-
-def update_table(subject: Subject) -> dict[str, list[Any]]:
-    """Every update, for the table that the browser builds when it is opened."""
-    if subject.rows is None:
+def update_table(view: TrackView) -> dict[str, list[Any]]:
+    """The columns of all updates, for the table that the browser builds when it is opened."""
+    if view.rows is None:
         return {}
-    columns: dict[str, list[Any]] = {"minute": numbers(subject.minutes)}
+    columns: dict[str, list[Any]] = {"minute": numbers(view.minutes)}
     for name in ("measurement_type", "status"):
-        words = getattr(subject.rows, name)
-        if words is not None:
-            columns[name.replace("_", " ")] = [word or "–" for word in words]
+        texts = getattr(view.rows, name)
+        if texts is not None:
+            columns[name.replace("_", " ")] = [text or MISSING for text in texts]
     for name, title in (("nis", "NIS"), ("nis_dof", "dof"), ("nees", "NEES")):
-        values = subject.column(name)
+        values = view.column(name)
         if values is not None:
             columns[title] = numbers(values, log=True)
     return columns

@@ -1,7 +1,6 @@
-"""What a figure shows, before any library draws it: panels with marks, in pixels and data units.
+"""Description of a figure: panels with drawing primitives, in pixels and data units.
 
-Both backends draw the same :class:`Scene`; so a figure on paper and the page in the browser cannot
-tell different stories. Colours are roles of :mod:`trackmetrics.report.theme`.
+Both backends draw the same :class:`Scene`. Colours are roles of :mod:`trackmetrics.report.theme`.
 """
 
 from dataclasses import dataclass
@@ -28,7 +27,7 @@ class Line:
     width: float = 1.6
     dash: str = "solid"
     name: str = ""
-    """What it is; shown when one points at it, and in the legend of a panel that has one."""
+    """Its label, for the hover text and for the legend of a panel that has one."""
     steps: bool = False
     """Whether a value holds until the next one."""
 
@@ -58,7 +57,7 @@ class Band:
 
 
 @dataclass(frozen=True)
-class Bars:
+class ErrorBars:
     """A vertical interval at each point."""
 
     x: Floats
@@ -70,7 +69,7 @@ class Bars:
 
 
 @dataclass(frozen=True)
-class Boxes:
+class Rects:
     """Rectangles from ``left`` to ``right`` and ``low`` to ``high``."""
 
     left: Floats
@@ -82,7 +81,7 @@ class Boxes:
 
 
 @dataclass(frozen=True)
-class Level:
+class HLine:
     """A line across the panel at one value, or a band to a second one."""
 
     y: float
@@ -93,39 +92,39 @@ class Level:
 
 @dataclass(frozen=True)
 class Event:
-    """A moment: a vertical line, named at its top."""
+    """An event: a vertical line with a label at its top."""
 
     x: float
     label: str
     colour: str
     dash: str = "dot"
     row: int = 0
-    """How many lines below the top its name stands, so that names do not collide."""
+    """How many text lines below the top its label is placed, so that labels do not overlap."""
     left: bool = False
-    """Whether its name stands to the left of the line."""
+    """Whether its label is placed left of the line."""
 
 
 @dataclass(frozen=True)
 class Text:
-    """A few words at a point."""
+    """A text at a point."""
 
     x: float
     y: float
     text: str
     colour: str
     anchor: str = "left"
-    """``"left"``, ``"center"`` or ``"right"``: the part of the words that stands at ``x``."""
+    """``"left"``, ``"center"`` or ``"right"``: the part of the text that is placed at ``x``."""
     above: bool = False
-    """Whether the words stand above the point instead of beside it."""
+    """Whether the text is placed above the point instead of beside it."""
     bold: bool = False
 
 
-Mark = Line | Points | Band | Bars | Boxes | Level | Event | Text
+Primitive = Line | Points | Band | ErrorBars | Rects | HLine | Event | Text
 
 
 @dataclass(frozen=True)
-class Rectangle:
-    """A place in a figure, in pixels from its upper left corner."""
+class Bounds:
+    """A bounds in a figure, in pixels from its upper left corner."""
 
     left: float
     top: float
@@ -137,8 +136,8 @@ class Rectangle:
 class Panel:
     """One pair of axes."""
 
-    place: Rectangle
-    marks: tuple[Mark, ...]
+    bounds: Bounds
+    primitives: tuple[Primitive, ...]
     title: str = ""
     x_label: str = ""
     y_label: str = ""
@@ -147,7 +146,7 @@ class Panel:
     x_limits: tuple[float, float] | None = None
     y_limits: tuple[float, float] | None = None
     ticks: tuple[tuple[float, str], ...] | None = None
-    """Values of the y axis that have a name, for an axis of names."""
+    """Values of the y axis with their labels; None chooses them."""
     x_ticks: tuple[tuple[float, str], ...] | None = None
     """The same for the x axis."""
     legend: bool = False
@@ -155,12 +154,12 @@ class Panel:
     linked: bool = True
     """Whether its x axis moves with those of the other panels."""
     x_unit: str = "min"
-    """Unit of the x axis, for what one points at."""
+    """Unit of the x axis, for hover texts."""
 
 
 @dataclass(frozen=True)
 class Heading:
-    """Words above a column of panels."""
+    """A text above a column of panels."""
 
     left: float
     top: float

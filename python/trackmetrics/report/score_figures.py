@@ -1,10 +1,10 @@
-"""Figures of scores that are not a diagnosis."""
+"""Figures of scores: OSPA and GOSPA over time, RMSE over runs, coverage of regions."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from trackmetrics.diagnostics import State
-from trackmetrics.report.diagnosis_figures import Backend, draw
+from trackmetrics.logs import State
+from trackmetrics.report.draw import Backend, draw
 
 
 def ospa_figure(
@@ -108,14 +108,14 @@ def rmse_figure(
 def coverage_figure(
     coverage: Any,
     *,
-    title: str = "Do regions hold what they promise?",
+    title: str = "Coverage of credibility regions",
     backend: Backend = "matplotlib",
     dark: bool = False,
 ) -> Any:
-    """The coverage curve: the share of errors inside each region against what it promises.
+    """The coverage curve: the fraction of errors inside each region against its probability.
 
     ``coverage`` has the fields ``probability``, ``share``, ``lower``, ``upper`` and ``count``. A
-    curve below the diagonal is an optimistic filter's. The other parameters are those of
+    curve below the diagonal means an optimistic filter. The other parameters are those of
     :func:`ospa_figure`.
     """
     from trackmetrics.report.score_scenes import coverage_scene

@@ -1,59 +1,26 @@
-"""Scenes of scores that are not a diagnosis: distances over time, RMSE over runs, coverage."""
+"""Scenes of scores: distances over time, RMSE over runs, coverage of credibility regions."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from trackmetrics.diagnostics import State
-from trackmetrics.report.axes import Limits, linear_limits
+from trackmetrics.logs import State
+from trackmetrics.report.axes import TimeAxis, linear_limits
 from trackmetrics.report.layout import Frame
 from trackmetrics.report.scene import (
     Band,
     Floats,
     Line,
-    Mark,
     Panel,
-    Rectangle,
+    Primitive,
     Scene,
     Text,
     floats,
 )
 
-TITLE_ROOM = 92.0
+TITLE_HEIGHT = 92.0
 PARTS = ("track-0", "track-1", "track-2")
-
-
-class TimeAxis:
-    """Frames or steps by their index, or minutes since the first where their times are known."""
-
-    def __init__(self, times: Any, count: int, word: str) -> None:
-        given = np.arange(count) if times is None else floats(times)
-        if len(given) != count:
-            raise ValueError(f"times has {len(given)} {word}s, the results have {count}")
-        self.x: Floats = floats(given if times is None else (given - given[0]) / 60.0)
-        self.label = word if times is None else "minutes since start"
-        self.unit = "" if times is None else "min"
-
-    @property
-    def limits(self) -> Limits:
-        """The axis with a little room."""
-        ends = (float(self.x.min()), float(self.x.max())) if self.x.size else (0.0, 1.0)
-        room = 0.02 * (ends[1] - ends[0]) or 0.5
-        return ends[0] - room, ends[1] + room
-
-    def panel(
-        self, place: Rectangle, marks: Sequence[Mark], limits: Limits, **content: Any
-    ) -> Panel:
-        """A panel over this axis."""
-        return Panel(
-            place,
-            tuple(marks),
-            x_limits=self.limits,
-            y_limits=limits,
-            x_unit=self.unit,
-            **content,
-        )
 
 
 def ospa_scene(results: Any, times: Any, unit: str, title: str) -> Scene:
@@ -77,7 +44,7 @@ def gospa_scene(results: Any, times: Any, unit: str, p: float, title: str) -> Sc
     distance, *parts = (_column(results, name) for name in ("distance", *_GOSPA))
     axis = TimeAxis(times, len(distance), "frame")
     power = f"{unit}{_POWERS.get(p, f'^{p:g}')}"
-    bands: list[Mark] = []
+    bands: list[Primitive] = []
     below = np.zeros_like(distance)
     for name, part, role in zip(_GOSPA, parts, PARTS, strict=True):
         bands.append(Band(axis.x, below, below + part, f"{role}/0.6", name))
@@ -95,13 +62,13 @@ def _column(results: Any, name: str) -> Floats:
 def _over_time(
     axis: TimeAxis,
     distance: Floats,
-    parts: Sequence[Mark],
+    parts: Sequence[Primitive],
     title: str,
     labels: tuple[str, str, str],
 ) -> Scene:
     name, unit, part_unit = labels
     frame = Frame()
-    above, below = frame.rows(TITLE_ROOM, (230.0, 200.0), 46.0)
+    above, below = frame.rows(TITLE_HEIGHT, (230.0, 200.0), 46.0)
     heights = [side for m in parts if isinstance(m, Band) for side in (m.low, m.high)]
     heights += [m.y for m in parts if isinstance(m, Line)]
     panels = (
@@ -116,7 +83,7 @@ def _over_time(
             below,
             parts,
             linear_limits(heights, (0.0, 0.0)),
-            title="What it is made of",
+            title="Components",
             y_label=f"parts ({part_unit})",
             x_label=axis.label,
             legend=True,
@@ -133,12 +100,12 @@ def rmse_scene(statistics: Any, times: Any, states: Sequence[State], title: str)
     if len(states) != rmse.shape[1]:
         raise ValueError(f"states has {len(states)} names, the RMSE has {rmse.shape[1]} components")
     axis, frame = TimeAxis(times, len(rmse), "step"), Frame(left=84.0)
-    places = frame.rows(TITLE_ROOM, [130.0] * len(states), 38.0)
+    all_bounds = frame.rows(TITLE_HEIGHT, [130.0] * len(states), 38.0)
     panels = []
-    for j, (state, place) in enumerate(zip(states, places, strict=True)):
+    for j, (state, bounds) in enumerate(zip(states, all_bounds, strict=True)):
         low, high = interval[:, j, 0], interval[:, j, 1]
         share = f"{100 * statistics.confidence:g} % interval"
-        marks = (
+        primitives = (
             Band(axis.x, low, high, "track-0/0.22", share),
             Line(axis.x, rmse[:, j], "track-0", 1.8, name="RMSE"),
         )
@@ -148,37 +115,43 @@ def rmse_scene(statistics: Any, times: Any, states: Sequence[State], title: str)
         title_of = f"{state.name}: RMSE over the runs"
         panels.append(
             axis.panel(
-                place, marks, limits, title=title_of, y_label=label, x_label=x_label, legend=j == 0
+                bounds,
+                primitives,
+                limits,
+                title=title_of,
+                y_label=label,
+                x_label=x_label,
+                legend=j == 0,
             )
         )
-    bottom = places[-1].top + places[-1].height + frame.bottom
+    bottom = all_bounds[-1].top + all_bounds[-1].height + frame.bottom
     runs = int(np.max(statistics.runs, initial=0))
     return Scene(frame.width, bottom, tuple(panels), title, f"{runs} runs")
 
 
 def coverage_scene(coverage: Any, title: str) -> Scene:
-    """What credibility regions hold against what they promise; the diagonal is honest."""
-    promised, share = floats(coverage.probability), floats(coverage.share)
+    """Observed against nominal coverage of credibility regions; the diagonal is consistent."""
+    nominal, observed = floats(coverage.probability), floats(coverage.share)
     frame = Frame(width=620.0, left=76.0, right=30.0)
-    place = frame.rows(TITLE_ROOM + 10, [514.0], 0.0)[0]
+    bounds = frame.rows(TITLE_HEIGHT + 10, [514.0], 0.0)[0]
     ends = floats([0.0, 1.0])
-    marks = (
-        Band(promised, floats(coverage.lower), floats(coverage.upper), "track-0/0.22", "interval"),
-        Line(ends, ends, "muted", 1.2, "dash", "honest"),
-        Line(promised, share, "track-0", 2.2, name="share inside"),
+    primitives = (
+        Band(nominal, floats(coverage.lower), floats(coverage.upper), "track-0/0.22", "interval"),
+        Line(ends, ends, "muted", 1.2, "dash", "consistent"),
+        Line(nominal, observed, "track-0", 2.2, name="observed"),
         Text(0.03, 0.95, "above the diagonal: pessimistic", "muted"),
-        Text(0.97, 0.05, "below it: optimistic", "muted", "right"),
+        Text(0.97, 0.05, "below the diagonal: optimistic", "muted", "right"),
     )
     panel = Panel(
-        place,
-        marks,
-        x_label="share that the region promises",
-        y_label="share of errors inside",
+        bounds,
+        primitives,
+        x_label="nominal probability",
+        y_label="fraction of errors inside",
         x_limits=(-0.02, 1.02),
         y_limits=(-0.02, 1.02),
         x_unit="",
         legend=True,
     )
     count = int(np.max(coverage.count, initial=0))
-    height = place.top + place.height + frame.bottom
+    height = bounds.top + bounds.height + frame.bottom
     return Scene(frame.width, height, (panel,), title, f"{count} errors")

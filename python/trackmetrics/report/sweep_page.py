@@ -1,41 +1,21 @@
-"""A sweep as one self-contained page: its figures for light and dark screens, and its table."""
+"""A sweep as one self-contained HTML page: its figures for both themes, and its table."""
 
 import base64
-import html
 import io
 import os
 from pathlib import Path
 from typing import Any
 
+from trackmetrics._format import number
 from trackmetrics.monte_carlo import Best, SweepResult
-from trackmetrics.report.diagnosis_figures import draw
+from trackmetrics.report.draw import draw
+from trackmetrics.report.heatmap_scene import heatmap_scene
 from trackmetrics.report.scene import Scene
-from trackmetrics.report.sweep_scenes import heat_scene, label, sweep_scene
-from trackmetrics.report.theme import DARK, LIGHT
+from trackmetrics.report.sweep_scenes import label, sweep_scene
+from trackmetrics.report.templates import environment
+from trackmetrics.report.theme import DARK, LIGHT, Theme
 
-_PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<style>
-:root {{ color-scheme: light dark; {light} }}
-@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}
-body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 76rem; padding: 0 1rem;
-  background: var(--page); color: var(--ink); }}
-img {{ background: var(--surface); }}
-h1 {{ font-size: 1.7rem; line-height: 1.2; overflow-wrap: anywhere; }}
-.scroll {{ overflow-x: auto; }}
-table {{ border-collapse: collapse; font-variant-numeric: tabular-nums; }}
-td, th {{ padding: .25rem .8rem; text-align: right; border-bottom: 1px solid var(--grid); }}
-td:first-child, th:first-child {{ text-align: left; white-space: nowrap; padding-left: 0; }}
-small {{ display: block; color: var(--muted); white-space: nowrap; }}
-.best {{ font-weight: bold; }}
-</style></head><body>
-<h1>{title}</h1><p>{summary}</p>
-{verdict}
-{figures}
-{table}
-</body></html>
-"""
+_PAGE_COLOURS = ("page", "surface", "ink", "muted", "grid")
 
 
 def write_sweep_page(
@@ -45,80 +25,100 @@ def write_sweep_page(
     title: str = "Monte Carlo sweep",
     best: Best | None = None,
 ) -> None:
-    """Writes the figures and the table of a sweep as one HTML file, readable offline."""
-    Path(path).write_text(sweep_page(result, title=title, best=best), encoding="utf-8")
+    """Write :func:`render_sweep_page` to a file."""
+    html = render_sweep_page(result, title=title, best=best)
+    Path(path).write_text(html, encoding="utf-8")
 
 
-def sweep_page(
+def render_sweep_page(
     result: SweepResult, *, title: str = "Monte Carlo sweep", best: Best | None = None
 ) -> str:
-    """The figures and the table of a sweep as HTML, and the best setting where one was chosen.
+    """The figures and the table of a sweep as one HTML page that needs no network.
 
-    ANEES and RMSE over time where runs gave truth; the mean NEES over the first two parameters of
-    the grid that vary.
+    Parameters
+    ----------
+    result
+        The result of :func:`trackmetrics.monte_carlo.sweep`. ANEES and RMSE over time are drawn if
+        its runs gave truth; a heat map of the first score is drawn over the first two parameters
+        of the grid that vary.
+    title
+        Heading of the page.
+    best
+        The best setting, from ``result.best()``; it is described and marked in the table.
+
+    Returns
+    -------
+    str
+        The page.
     """
-    scenes = []
-    if "nees" in result.scores:
-        scenes.append(sweep_scene(result))
+    html: str = (
+        environment()
+        .get_template("sweep.html")
+        .render(
+            title=title,
+            summary=_summary(result),
+            best=None if best is None else _description(best),
+            light=_variables(LIGHT),
+            dark=_variables(DARK),
+            figures=[_picture(scene) for scene in _scenes(result)],
+            table=_table(result, None if best is None else best.index),
+        )
+    )
+    return html
+
+
+def _scenes(result: SweepResult) -> list[Scene]:
+    scenes = [sweep_scene(result)] if "nees" in result.scores else []
     varying = [name for name in result.grid[0] if len({repr(s[name]) for s in result.grid}) > 1]
     if len(varying) > 1 and result.scores:
-        scenes.append(heat_scene(result, varying[0], varying[1], next(iter(result.scores))))
+        scenes.append(heatmap_scene(result, varying[0], varying[1], next(iter(result.scores))))
+    return scenes
+
+
+def _summary(result: SweepResult) -> str:
     failed = len(result.failures)
-    summary = f"{result.runs} runs of {len(result.grid)} settings, seed {result.seed}"
-    summary += f"; {failed} runs failed" if failed else ""
-    return _PAGE.format(
-        title=html.escape(title),
-        summary=html.escape(summary),
-        verdict="" if best is None else _verdict(best),
-        light=_variables(LIGHT.colours),
-        dark=_variables(DARK.colours),
-        figures="\n".join(map(_picture, scenes)),
-        table=_table(result, None if best is None else best.index),
-    )
+    text = f"{result.runs} runs of {len(result.grid)} settings, seed {result.seed}"
+    return f"{text}; {failed} runs failed" if failed else text
 
 
-def _verdict(best: Best) -> str:
-    said = "; ".join(best.words())
-    return f"<p><strong>{html.escape(label(best.settings))}</strong> is {html.escape(said)}.</p>"
+def _description(best: Best) -> dict[str, str]:
+    return {"name": label(best.settings), "description": "; ".join(best.words())}
 
 
-def _variables(colours: Any) -> str:
-    return " ".join(
-        f"--{name}: {colours[name]};" for name in ("page", "surface", "ink", "muted", "grid")
-    )
+def _variables(theme: Theme) -> str:
+    return " ".join(f"--{name}: {theme.colours[name]};" for name in _PAGE_COLOURS)
 
 
-def _picture(scene: Scene) -> str:
-    light, dark = (_address(draw(scene, "matplotlib", dark)) for dark in (False, True))
-    return (
-        f'<p class="scroll"><picture><source srcset="{dark}" media="(prefers-color-scheme: dark)">'
-        f'<img src="{light}" alt="{html.escape(scene.title)}"></picture></p>'
-    )
+def _picture(scene: Scene) -> dict[str, str]:
+    light, dark = (_data_url(draw(scene, "matplotlib", dark)) for dark in (False, True))
+    return {"title": scene.title, "light": light, "dark": dark}
 
 
-def _address(figure: Any) -> str:
-    """The figure as SVG in an address."""
+def _data_url(figure: Any) -> str:
+    """The figure as SVG in a data URL."""
     file = io.BytesIO()
     figure.savefig(file, format="svg", metadata={"Date": None})
     return f"data:image/svg+xml;base64,{base64.b64encode(file.getvalue()).decode()}"
 
 
-def _table(result: SweepResult, best: int | None) -> str:
-    """A row for each setting, scores with their intervals; the best one is marked."""
+def _table(result: SweepResult, best: int | None) -> dict[str, Any]:
+    """A row for each setting, scores with their intervals; the best setting is marked."""
     columns = result.to_columns("settings")
     names = ["runs", "failed", *result.scores]
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in ["setting", *names])
-    rows = []
-    for k, settings in enumerate(result.grid):
-        cells = [html.escape(label(settings)), *(_cell(columns, name, k) for name in names)]
-        mark = " class='best'" if k == best else ""
-        rows.append(f"<tr{mark}>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
-    return f"<div class='scroll'><table><tr>{head}</tr>\n" + "\n".join(rows) + "\n</table></div>"
+    rows = [
+        {
+            "name": label(settings),
+            "best": k == best,
+            "cells": [_cell(columns, name, k) for name in names],
+        }
+        for k, settings in enumerate(result.grid)
+    ]
+    return {"head": ["setting", *names], "rows": rows}
 
 
-def _cell(columns: dict[str, Any], name: str, k: int) -> str:
-    value = f"{columns[name][k]:.4g}"
+def _cell(columns: dict[str, Any], name: str, k: int) -> dict[str, str]:
+    value = number(columns[name][k], 4)
     if f"{name}_low" not in columns:
-        return value
+        return {"value": value, "interval": ""}
     low, high = columns[f"{name}_low"][k], columns[f"{name}_high"][k]
-    return f"{value} <small>{low:.4g} &hellip; {high:.4g}</small>"
+    return {"value": value, "interval": f"{number(low, 4)} … {number(high, 4)}"}

@@ -1,9 +1,9 @@
-"""Colours: one per track everywhere, one per verdict, on paper and on a dark screen.
+"""Colours: one per track and one per verdict, for light and dark themes.
 
-A mark names a *role* ("ink", "high", "track-3", "track-3/0.2" with an opacity), and a theme says
-which colour that is, so that one figure reads in both themes. The colours of tracks stay apart
-under simulated protanopia, deuteranopia and tritanopia (``tests/test_report_theme.py`` measures
-it); after eight tracks colours come again with another dash.
+A primitive names a *role* ("ink", "high", "track-3", "track-3/0.2" with an opacity); a theme maps
+roles to colours, so that one figure works in both themes. The colours of tracks can be told apart
+under simulated protanopia, deuteranopia and tritanopia (``tests/report/test_theme.py`` measures
+it); after eight tracks the colours repeat with another dash.
 """
 
 from collections.abc import Mapping, Sequence
@@ -105,7 +105,7 @@ DARK = Theme(
 )
 THEMES = (LIGHT, DARK)
 
-_FAMILIES = {
+_VERDICT_COLOUR = {
     "angle_wrap_bug": "high",
     "late_divergence": "high",
     "startup_then_consistent": "warning",
@@ -120,7 +120,7 @@ _FAMILIES = {
     "consistent": "consistent",
     "insufficient": "unknown",
 }
-_GLYPHS = {"high": "▲", "warning": "◆", "low": "▼", "consistent": "●", "unknown": "○"}
+_SYMBOLS = {"high": "▲", "warning": "◆", "low": "▼", "consistent": "●", "unknown": "○"}
 
 
 def theme(dark: bool) -> Theme:
@@ -130,17 +130,27 @@ def theme(dark: bool) -> Theme:
 
 def verdict_role(verdict: str) -> str:
     """The role whose colour a verdict has."""
-    return _FAMILIES[verdict]
+    return _VERDICT_COLOUR[verdict]
 
 
-def glyph(verdict: str) -> str:
-    """A shape that tells verdicts apart without colour: ▲ too large, ▼ too small, ● honest."""
-    return _GLYPHS[_FAMILIES[verdict]]
+def verdict_symbol(verdict: str) -> str:
+    """A symbol for readers who do not see colours: ▲ optimistic, ▼ pessimistic, ● consistent."""
+    return _SYMBOLS[_VERDICT_COLOUR[verdict]]
 
 
-def words(verdict: str) -> str:
-    """A verdict in words."""
+def verdict_label(verdict: str) -> str:
+    """A verdict as it is printed: without underscores."""
     return verdict.replace("_", " ")
+
+
+def segment_verdict(label: str) -> str:
+    """The label of a segment as a verdict: ``"high"`` is optimistic, ``"low"`` pessimistic."""
+    return {"high": "optimistic", "low": "pessimistic"}.get(label, label)
+
+
+def segment_role(verdict: str) -> str:
+    """The role whose colour a segment with this verdict has."""
+    return {"optimistic": "high", "pessimistic": "low"}.get(verdict, verdict)
 
 
 @dataclass(frozen=True)

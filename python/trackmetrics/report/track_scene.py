@@ -1,8 +1,8 @@
-"""The sheet of one track: consistency over time, what supported it, and every state.
+"""Scene of one track: consistency over time, the measurement timeline, and every state.
 
-Above, over the whole width: NIS per degree of freedom, NEES per state and the support strip.
-Below, one row a state: its value with the claimed band, the claim as a ratio to its reference, and
-the error in units of the claim.
+Above, over the whole width: NIS per degree of freedom, NEES per state and the measurement timeline.
+Below, one row per state: its value with the band of plus or minus two standard deviations, the
+standard deviation over its reference, and the error over the standard deviation.
 """
 
 from collections.abc import Sequence
@@ -12,214 +12,218 @@ import numpy as np
 
 from trackmetrics import _distributions
 from trackmetrics.diagnostics import QuantityVerdict
-from trackmetrics.report.axes import Limits, linear_limits, log_limits, on_log_axis
+from trackmetrics.report.axes import Limits, log_limits, on_log_axis
 from trackmetrics.report.layout import Frame
 from trackmetrics.report.scene import (
-    Bars,
-    Boxes,
+    Bounds,
+    ErrorBars,
     Event,
     Floats,
-    Level,
+    HLine,
     Line,
-    Mark,
     Panel,
     Points,
-    Rectangle,
+    Primitive,
+    Rects,
     Scene,
     Text,
     floats,
 )
 from trackmetrics.report.state_panels import state_block
-from trackmetrics.report.theme import glyph, words
-from trackmetrics.report.track_view import Subject
+from trackmetrics.report.theme import verdict_label, verdict_symbol
+from trackmetrics.report.track_view import TrackView
 
-HONEST = 0.95
-"""Share of an honest filter's values that the shaded intervals hold."""
-QUANTITY_HEIGHT, SUPPORT_ROW = 190.0, 36.0
-TITLE_ROOM, PANEL_GAP, BLOCK_GAP = 64.0, 42.0, 112.0
-WHOLE, PARTIAL = 8.0, 4.5
+COVERAGE = 0.95
+"""Probability of the shaded chi-square intervals."""
+QUANTITY_HEIGHT, TIMELINE_ROW_HEIGHT = 190.0, 36.0
+TITLE_HEIGHT, PANEL_GAP, BLOCK_GAP = 64.0, 42.0, 112.0
+COMPLETE_SIZE, INCOMPLETE_SIZE = 8.0, 4.5
 """Size of the symbols of updates with and without all components of their measurement."""
 
-SupportRow = tuple[str, str, list[tuple[str, bool, float, Floats]]]
-"""A measurement type, what it observes, and symbol, whether tentative, size and when."""
+TimelineRow = tuple[str, str, list[tuple[str, bool, float, Floats]]]
+"""A measurement type, what it observes, and for each group of updates: symbol, whether tentative,
+size and times."""
 
 
-def track_scene(subject: Subject, titled: bool = True) -> Scene:
-    """Everything about one track in one figure."""
-    frame, top = Frame(), TITLE_ROOM + 28.0 if titled else 28.0
-    above = subject.quantities()
-    support = _support_rows(subject)
-    heights = [QUANTITY_HEIGHT] * len(above) + [SUPPORT_ROW * len(support)] * bool(support)
-    places = frame.rows(top, heights, PANEL_GAP)
+def track_scene(view: TrackView, titled: bool = True) -> Scene:
+    """The scene of one track; ``titled`` adds its name and verdicts at the top."""
+    frame, top = Frame(), TITLE_HEIGHT + 28.0 if titled else 28.0
+    above = view.quantities()
+    timeline = _timeline_rows(view)
+    heights = [QUANTITY_HEIGHT] * len(above) + [TIMELINE_ROW_HEIGHT * len(timeline)] * bool(
+        timeline
+    )
+    all_bounds = frame.rows(top, heights, PANEL_GAP)
     panels = [
-        _quantity_panel(subject, verdict, place)
-        for verdict, place in zip(above, places, strict=False)
+        _quantity_panel(view, verdict, bounds)
+        for verdict, bounds in zip(above, all_bounds, strict=False)
     ]
-    if support:
-        panels.append(_support_panel(subject, support, places[-1]))
-    panels[-1] = _with_clock(subject, panels[-1])
-    below = places[-1].top + places[-1].height + BLOCK_GAP
-    states, headings, end = state_block(subject, frame, below)
-    title, subtitle = _titles(subject) if titled else ("", "")
-    bottom = end if states else places[-1].top + places[-1].height
+    if timeline:
+        panels.append(_timeline_panel(view, timeline, all_bounds[-1]))
+    panels[-1] = _with_time_label(view, panels[-1])
+    below = all_bounds[-1].top + all_bounds[-1].height + BLOCK_GAP
+    states, headings, end = state_block(view, frame, below)
+    title, subtitle = _titles(view) if titled else ("", "")
+    bottom = end if states else all_bounds[-1].top + all_bounds[-1].height
     return Scene(frame.width, bottom + frame.bottom, (*panels, *states), title, subtitle, headings)
 
 
-def _titles(subject: Subject) -> tuple[str, str]:
-    track = subject.track
+def _titles(view: TrackView) -> tuple[str, str]:
+    track = view.track
     weakest = f"; weakest state {track.weakest_state}" if track.weakest_state else ""
-    parts = [f"NIS {words(track.nis.verdict)}"]
+    parts = [f"NIS {verdict_label(track.nis.verdict)}"]
     if track.nees is not None:
-        parts.append(f"NEES {words(track.nees.verdict)}")
-    title = f"{track.track}  {glyph(track.verdict)} {words(track.verdict)}"
+        parts.append(f"NEES {verdict_label(track.nees.verdict)}")
+    title = f"{track.track}  {verdict_symbol(track.verdict)} {verdict_label(track.verdict)}"
     return title, f"{', '.join(parts)}{weakest}; {track.updates} updates"
 
 
-def _with_clock(subject: Subject, panel: Panel) -> Panel:
-    return replace(panel, x_label=subject.clock.label)
+def _with_time_label(view: TrackView, panel: Panel) -> Panel:
+    return replace(panel, x_label=view.clock.label)
 
 
-def _quantity_panel(subject: Subject, verdict: QuantityVerdict, place: Rectangle) -> Panel:
-    """NIS or NEES per degree of freedom with what an honest filter's would be."""
-    values, dof = subject.per_dof(verdict.quantity)
-    low, high = _distributions.chi2_interval(dof, HONEST)
+def _quantity_panel(view: TrackView, verdict: QuantityVerdict, bounds: Bounds) -> Panel:
+    """NIS or NEES per degree of freedom with the 95 % interval of a consistent filter."""
+    values, dof = view.per_dof(verdict.quantity)
+    low, high = _distributions.chi2_interval(dof, COVERAGE)
     edges = [edge for s in verdict.segments for edge in s.interval if np.isfinite(edge)]
-    events = _events(subject, verdict)
+    events = _events(view, verdict)
     names = max((event.row + 1 for event in events), default=0)
     limits = log_limits([values, low / dof, high / dof, floats(edges)], names=names)
-    marks = [
-        *_honest(subject, dof, place.width),
-        Level(1.0, "muted/0.8"),
-        *_segments(subject, verdict),
-        *_points(subject, values, limits),
-        *_outliers(subject, verdict.quantity),
+    primitives = [
+        *_chi_square_band(view, dof, bounds.width),
+        HLine(1.0, "muted/0.8"),
+        *_segments(view, verdict),
+        *_points(view, values, limits),
+        *_outliers(view, verdict.quantity),
         *events,
     ]
     name, divisor = verdict.quantity.upper(), "dof"
     if verdict.quantity == "nees" and len(set(dof[np.isfinite(dof)])) == 1:
         divisor = f"{np.nanmax(dof):g}"
     return Panel(
-        place,
-        tuple(marks),
-        title=f"{name}: {words(verdict.verdict)} (shaded: 95 % of an honest filter)",
+        bounds,
+        tuple(primitives),
+        title=f"{name}: {verdict_label(verdict.verdict)} (shaded: 95 % interval if consistent)",
         y_label=f"{name} / {divisor}",
         log=True,
-        x_limits=subject.x_limits,
+        x_limits=view.x_limits,
         y_limits=limits,
     )
 
-    return linear_limits([floats(subject.span)])
 
-
-def _honest(subject: Subject, dof: Floats, pixels: float) -> list[Mark]:
-    """The chi-square interval of each point: one band where all have the same dof, else bars."""
+def _chi_square_band(view: TrackView, dof: Floats, pixels: float) -> list[Primitive]:
+    """The chi-square interval of each update: one band if all have the same dof, else bars."""
     known = np.isfinite(dof)
-    low, high = _distributions.chi2_interval(dof[known], HONEST)
+    low, high = _distributions.chi2_interval(dof[known], COVERAGE)
     low, high = low / dof[known], high / dof[known]
     if not known.any():
         return []
     if len(set(dof[known])) == 1:
-        return [Level(float(low[0]), "band/0.22", top=float(high[0]))]
+        return [HLine(float(low[0]), "band/0.22", top=float(high[0]))]
     width = float(np.clip(0.5 * pixels / known.sum(), 1.5, 7.0))
-    return [Bars(subject.minutes[known], low, high, "band/0.32", width, "95 % interval")]
+    return [ErrorBars(view.minutes[known], low, high, "band/0.32", width, "95 % interval")]
 
 
-def _segments(subject: Subject, verdict: QuantityVerdict) -> list[Mark]:
-    """The mean of each segment with its confidence interval, in the colour of its verdict."""
-    marks: list[Mark] = []
-    pad = 0.003 * (subject.span[1] - subject.span[0])
+def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:
+    """The mean of each segment with its confidence interval, in the colour of its label."""
+    primitives: list[Primitive] = []
+    pad = 0.003 * (view.span[1] - view.span[0])
     for segment in verdict.segments:
-        left = subject.clock.at(segment.start_time) - pad
-        right = subject.clock.at(segment.stop_time) + pad
+        left = view.clock.at(segment.start_time) - pad
+        right = view.clock.at(segment.stop_time) + pad
         low, high = segment.interval
         name = f"scale {segment.scale:.3g} [{low:.3g}, {high:.3g}], {segment.label}"
         sides, mean = floats([left, right]), floats([segment.scale] * 2)
-        box = Boxes(
+        box = Rects(
             floats([left]), floats([right]), floats([low]), floats([high]), f"{segment.label}/0.2"
         )
-        marks += [box, Line(sides, mean, segment.label, 2.4, name=name)]
+        primitives += [box, Line(sides, mean, segment.label, 2.4, name=name)]
         factor = f"{float(f'{segment.scale:.2g}'):g}×"
-        marks.append(Text(right, high, factor, segment.label, "right", above=True, bold=True))
-    return marks
+        primitives.append(Text(right, high, factor, segment.label, "right", above=True, bold=True))
+    return primitives
 
 
-def _points(subject: Subject, values: Floats, limits: Limits) -> list[Mark]:
-    marks: list[Mark] = []
+def _points(view: TrackView, values: Floats, limits: Limits) -> list[Primitive]:
+    primitives: list[Primitive] = []
     if not values.size:
-        return marks
+        return primitives
     shown = on_log_axis(values, limits)
-    for kind, symbol, hollow, rows in subject.kinds():
+    for kind, symbol, hollow, rows in view.by_measurement_type():
         rows = rows & np.isfinite(values)
         if rows.any():
             name = f"{kind}, tentative" if hollow else kind
-            x, y = subject.minutes[rows], shown[rows]
-            marks.append(Points(x, y, subject.style.colour, symbol, hollow, 6.5, name))
-    return marks
+            x, y = view.minutes[rows], shown[rows]
+            primitives.append(Points(x, y, view.style.colour, symbol, hollow, 6.5, name))
+    return primitives
 
 
-def _outliers(subject: Subject, quantity: str) -> list[Mark]:
-    if quantity != "nis" or not subject.track.outliers:
+def _outliers(view: TrackView, quantity: str) -> list[Primitive]:
+    if quantity != "nis" or not view.track.outliers:
         return []
-    x = subject.clock([o.time for o in subject.track.outliers])
-    y = floats([o.nis / o.dof for o in subject.track.outliers])
+    x = view.clock([o.time for o in view.track.outliers])
+    y = floats([o.nis / o.dof for o in view.track.outliers])
     return [Points(x, y, "high", "circle", True, 14.0, "outlier")]
 
 
-def _events(subject: Subject, verdict: QuantityVerdict) -> list[Event]:
-    """Onset, settling and alarm; names of those close together stand apart."""
+def _events(view: TrackView, verdict: QuantityVerdict) -> list[Event]:
+    """Onset, settling and alarm; labels of events close together are moved apart."""
     named = (
         ("onset", verdict.onset_time, "high"),
         ("settled", verdict.settle_time, "consistent"),
         ("alarm", verdict.alarm_time, "warning"),
     )
-    at = sorted((subject.clock.at(t), name, role) for name, t, role in named if t is not None)
-    span = subject.span[1] - subject.span[0]
-    marks: list[Event] = []
+    at = sorted((view.clock.at(t), name, role) for name, t, role in named if t is not None)
+    span = view.span[1] - view.span[0]
+    primitives: list[Event] = []
     for i, (minute, name, role) in enumerate(at):
         crowded = i + 1 < len(at) and at[i + 1][0] - minute < 0.16 * span
         left = minute > 0.16 * span and (crowded or minute > 0.8 * span)
         row = i if i and minute - at[i - 1][0] < 0.16 * span else 0
-        marks.append(Event(minute, f"{name} {minute:.4g} min", role, row=row, left=left))
-    return marks
+        primitives.append(Event(minute, f"{name} {minute:.4g} min", role, row=row, left=left))
+    return primitives
 
 
-def _support_rows(subject: Subject) -> list[SupportRow]:
-    """Each measurement type with what it observes and when it came."""
+def _timeline_rows(view: TrackView) -> list[TimelineRow]:
+    """Each measurement type with the states that it observes and the times of its updates."""
     found: dict[str, list[tuple[str, bool, float, Floats]]] = {}
-    lacking = subject.lacking()
-    for kind, symbol, hollow, rows in subject.kinds():
+    incomplete = view.incomplete()
+    for kind, symbol, hollow, rows in view.by_measurement_type():
         parts = found.setdefault(kind, [])
-        for size, chosen in ((WHOLE, rows & ~lacking), (PARTIAL, rows & lacking)):
+        for size, chosen in (
+            (COMPLETE_SIZE, rows & ~incomplete),
+            (INCOMPLETE_SIZE, rows & incomplete),
+        ):
             if chosen.any():
-                parts.append((symbol, hollow, size, subject.minutes[chosen]))
-    observed = subject.track.observed
+                parts.append((symbol, hollow, size, view.minutes[chosen]))
+    observed = view.track.observed
     return [(kind, ", ".join(observed.get(kind, ())) or "", parts) for kind, parts in found.items()]
 
 
-def _support_panel(
-    subject: Subject,
-    rows: Sequence[SupportRow],
-    place: Rectangle,
+def _timeline_panel(
+    view: TrackView,
+    rows: Sequence[TimelineRow],
+    bounds: Bounds,
 ) -> Panel:
-    """One row a measurement type: when it came, and which states it observes."""
-    marks: list[Mark] = []
-    small = "; small: some components missing" if subject.lacking().any() else ""
-    limits = subject.x_limits
+    """One row per measurement type: times of its updates and the states that it observes."""
+    primitives: list[Primitive] = []
+    small = "; small: some components missing" if view.incomplete().any() else ""
+    limits = view.x_limits
     start = limits[0] + 0.004 * (limits[1] - limits[0])
     for i, (kind, states, parts) in enumerate(rows):
         y = float(-i)
-        words = f"{kind} observes {states}" if states else kind
-        marks.append(Text(start, y + 0.26, words, "muted"))
-        marks.append(Level(y - 0.2, "grid"))
+        label = f"{kind} observes {states}" if states else kind
+        primitives.append(Text(start, y + 0.26, label, "muted"))
+        primitives.append(HLine(y - 0.2, "grid"))
         for symbol, hollow, size, x in parts:
             level = np.full(len(x), y - 0.2)
-            name = f"{kind}, some components missing" if size == PARTIAL else kind
-            marks.append(Points(x, level, subject.style.colour, symbol, hollow, size, name))
+            name = f"{kind}, some components missing" if size == INCOMPLETE_SIZE else kind
+            primitives.append(Points(x, level, view.style.colour, symbol, hollow, size, name))
     return Panel(
-        place,
-        tuple(marks),
-        title=f"Support: which measurement came when (hollow: tentative{small})",
-        y_label="support",
+        bounds,
+        tuple(primitives),
+        title=f"Measurements over time (hollow: tentative{small})",
+        y_label="type",
         x_limits=limits,
         y_limits=(-len(rows) + 0.5, 0.5),
         ticks=(),

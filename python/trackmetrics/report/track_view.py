@@ -1,4 +1,4 @@
-"""One track with everything that its figures show: rows, states, clock, colour and symbols."""
+"""One track prepared for drawing: its rows, states, time axis, colour and symbols."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -6,15 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics.diagnostics import (
-    Diagnosis,
-    EstimatorLog,
-    QuantityVerdict,
-    Segment,
-    State,
-    TrackDiagnosis,
-)
+from trackmetrics.diagnostics import Diagnosis, QuantityVerdict, Segment, TrackDiagnosis
 from trackmetrics.diagnostics.timeline import Timeline
+from trackmetrics.logs import EstimatorLog, State
 from trackmetrics.logs.columns import Columns, incomplete
 from trackmetrics.report.scene import Floats, floats
 from trackmetrics.report.theme import TrackStyle, track_styles
@@ -39,9 +33,9 @@ class Clock:
     origin: float
     """Time of the first update of any track."""
     minute: float
-    """How many units of time are a minute."""
+    """How many units of time one minute has."""
     label: str = "minutes since start"
-    """What the axis says."""
+    """Label of the time axis."""
 
     def __call__(self, times: Any) -> Floats:
         """Minutes since the start."""
@@ -53,8 +47,8 @@ class Clock:
 
 
 @dataclass(frozen=True)
-class Subject:
-    """One track, ready to be drawn."""
+class TrackView:
+    """One track and what its figures need."""
 
     track: TrackDiagnosis
     style: TrackStyle
@@ -67,14 +61,14 @@ class Subject:
 
     @property
     def minutes(self) -> Floats:
-        """When the updates were."""
+        """Times of the updates in minutes since the start."""
         return np.empty(0) if self.rows is None else self.clock(self.rows.time)
 
     @property
     def x_limits(self) -> tuple[float, float]:
-        """The time axis."""
-        room = 0.03 * (self.span[1] - self.span[0])
-        return self.span[0] - room, self.span[1] + room
+        """Limits of the time axis."""
+        margin = 0.03 * (self.span[1] - self.span[0])
+        return self.span[0] - margin, self.span[1] + margin
 
     def quantities(self) -> list[QuantityVerdict]:
         """The verdicts of NIS and, with truth, of NEES."""
@@ -107,18 +101,18 @@ class Subject:
             return None
         return floats(values[:, state])
 
-    def kinds(self) -> Iterator[tuple[str, str, bool, Any]]:
-        """The rows by measurement type and status: name, symbol, whether tentative, which rows."""
+    def by_measurement_type(self) -> Iterator[tuple[str, str, bool, Any]]:
+        """Groups of rows by type and status: name, symbol, whether tentative, mask of rows."""
         if self.rows is None:
             return
-        kinds, tentative = _words(self.rows.measurement_type, len(self.rows)), self._tentative()
+        kinds, tentative = _strings(self.rows.measurement_type, len(self.rows)), self._tentative()
         for kind, symbol in (self.symbols or {}).items():
             for hollow in (False, True):
-                chosen = np.array([k == kind for k in kinds]) & (tentative == hollow)
+                chosen = (kinds == kind) & (tentative == hollow)
                 if chosen.any():
                     yield kind or "update", symbol, hollow, chosen
 
-    def lacking(self) -> Any:
+    def incomplete(self) -> Any:
         """Which updates lack a component of their measurement."""
         if self.rows is None or self.rows.innovation is None:
             return np.zeros(len(self.minutes), bool)
@@ -126,18 +120,18 @@ class Subject:
 
     def _tentative(self) -> Any:
         assert self.rows is not None
-        status = _words(self.rows.status, len(self.rows))
-        return np.array([word == "tentative" for word in status])
+        status = _strings(self.rows.status, len(self.rows))
+        return status == "tentative"
 
 
-def subjects(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[Subject]:
-    """Every track of a diagnosis, the most severe first."""
+def track_views(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[TrackView]:
+    """The tracks of a diagnosis, the most severe first."""
     styles = track_styles(diagnosis)
     clock = _clock(diagnosis)
     span = (0.0, max((clock.at(t.stop_time) for t in diagnosis.values()), default=1.0) or 1.0)
     symbols = _symbols(log)
     return [
-        Subject(
+        TrackView(
             track,
             styles[track.track],
             clock,
@@ -163,9 +157,9 @@ def _symbols(log: EstimatorLog | None) -> dict[str | None, str]:
     """A symbol for each measurement type, in the order in which the types appear."""
     if log is None:
         return {}
-    kinds = dict.fromkeys(_words(log.columns.measurement_type, len(log)))
+    kinds = dict.fromkeys(_strings(log.columns.measurement_type, len(log)))
     return {kind: SYMBOLS[i % len(SYMBOLS)] for i, kind in enumerate(kinds)}
 
 
-def _words(column: Any, rows: int) -> Any:
+def _strings(column: Any, rows: int) -> Any:
     return np.full(rows, None, object) if column is None else column

@@ -79,3 +79,16 @@ def clock(*sets: Trajectories) -> Floats:
 def steps(trajectories: Trajectories, times: Floats) -> Ids:
     """The step of a clock at which each state stands."""
     return np.searchsorted(times, trajectories.times).astype(np.int64, copy=False)
+
+
+def check_dimensions(x: Trajectories, y: Trajectories) -> None:
+    expected, found = x.states.shape[1], y.states.shape[1]
+    if len(x.states) and len(y.states) and found != expected:
+        first = int(np.searchsorted(y.starts, 0, side="right")) - 1
+        raise errors.dimension("tracks", [first, 0], found, expected)
+
+
+def check_distance(distance: str) -> None:
+    """The distance of two states is one that both metrics know."""
+    if distance not in ("euclidean", "p-norm"):
+        raise ValueError(f"distance must be 'euclidean' or 'p-norm', got {distance!r}")

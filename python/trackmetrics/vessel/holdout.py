@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from trackmetrics import _backend
 from trackmetrics._progress import watched
-from trackmetrics.diagnostics import EstimatorLog
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.reports import Reports
 from trackmetrics.vessel.settings import OBSERVED, Floats, Settings
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
-from trackmetrics.diagnostics import State
+from trackmetrics.logs import State
 
 Floats = NDArray[np.float64]
 

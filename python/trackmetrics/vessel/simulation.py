@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from trackmetrics import _backend, errors
-from trackmetrics.diagnostics import EstimatorLog
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.mmsi_conflicts import KNOT
 from trackmetrics.vessel.reports import Reports
 from trackmetrics.vessel.settings import OBSERVED, SLOW, Floats, Noise, Settings

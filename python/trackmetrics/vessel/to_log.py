@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.diagnostics import EstimatorLog
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.reports import Reports
 from trackmetrics.vessel.settings import KINDS, OBSERVED, STATES, Floats
 

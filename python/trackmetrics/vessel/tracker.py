@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _backend
-from trackmetrics.diagnostics import EstimatorLog
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.association import associate
 from trackmetrics.vessel.mmsi_conflicts import ESTABLISHED, Chain, choose, steps_too_fast
 from trackmetrics.vessel.reports import Reports

@@ -1,12 +1,12 @@
 "use strict";
 (() => {
-  const find = (selector, under = document) => under.querySelector(selector);
-  const all = (selector, under = document) => [...under.querySelectorAll(selector)];
+  const find = (selector, parent = document) => parent.querySelector(selector);
+  const all = (selector, parent = document) => [...parent.querySelectorAll(selector)];
   const root = document.documentElement;
   const rows = all("#overview tbody tr");
-  const NARROWEST = 900;
+  const MIN_WIDTH = 900;
 
-  // What the page carries is compressed; each part is unpacked once, when it is first looked at.
+  // The data of the page are compressed; each part is unpacked once, when it is first needed.
   const unpacked = new Map();
   async function unpack(id) {
     const bytes = Uint8Array.from(atob(find("#" + id).textContent), (c) => c.charCodeAt(0));
@@ -23,7 +23,7 @@
     document.head.append(script);
   }
 
-  // Colours travel as roles ("@high/0.2"); the theme of the moment says what they are.
+  // Colours are given as roles ("@high/0.2"); the current theme maps them to colours.
   function paint(value, style) {
     if (Array.isArray(value)) return typeof value[0] === "number" ? value : value.map((v) => paint(v, style));
     if (value && typeof value === "object")
@@ -35,10 +35,10 @@
     return `rgba(${part(1)},${part(3)},${part(5)},${alpha ?? 1})`;
   }
   const CONFIG = { displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"] };
-  function draw(place, figure) {
-    const width = Math.max(NARROWEST, place.clientWidth);
+  function draw(container, figure) {
+    const width = Math.max(MIN_WIDTH, container.clientWidth);
     const painted = paint(figure, getComputedStyle(root));
-    return Plotly.react(place, painted.data, { ...painted.layout, width }, CONFIG);
+    return Plotly.react(container, painted.data, { ...painted.layout, width }, CONFIG);
   }
 
   const isOn = (row) => find(".draw", row).checked;
@@ -57,14 +57,14 @@
   async function drawTrack(details) {
     if (!details.open || details.hidden) return;
     const part = await content("data-" + details.dataset.index);
-    await draw(find(".sheet", details), part.sheet);
+    await draw(find(".track-figure", details), part.track);
     details.dataset.drawn = "yes";
   }
   async function listUpdates(details) {
-    const place = find(".scroll", details);
-    if (!details.open || place.childElementCount) return;
+    const container = find(".scroll", details);
+    if (!details.open || container.childElementCount) return;
     const { updates } = await content("data-" + details.closest(".track").dataset.index);
-    place.append(updateTable(updates));
+    container.append(updateTable(updates));
   }
   function updateTable(columns) {
     const table = document.createElement("table");
@@ -84,7 +84,7 @@
     return table;
   }
 
-  // The switches. Drawing waits for the browser to be idle, so that many switches are one drawing.
+  // Check boxes: several changes within 30 ms are drawn once.
   let waiting = null;
   function redraw(everything) {
     clearTimeout(waiting);
@@ -138,9 +138,9 @@
     try {
       await action();
     } catch (error) {
-      const trouble = find("#trouble");
-      trouble.textContent = `The figures could not be drawn: ${error.message ?? error}`;
-      trouble.hidden = false;
+      const message = find("#message");
+      message.textContent = `The figures could not be drawn: ${error.message ?? error}`;
+      message.hidden = false;
       console.error(error);
     }
   }

@@ -9,16 +9,16 @@ from trackmetrics import _native, _numpy
 KERNELS = sorted(name for name in dir(_native) if not name.startswith("_"))
 
 
-def test_every_kernel_has_a_twin_and_every_twin_a_kernel():
+def test_every_kernel_has_a_reference_and_every_reference_a_kernel():
     assert sorted(name for name in _numpy.__all__ if not name.startswith("_")) == KERNELS
 
 
 @pytest.mark.parametrize("name", KERNELS)
 def test_parameters_are_the_same(name):
     kernel = inspect.signature(getattr(_native, name))
-    twin = inspect.signature(getattr(_numpy, name))
+    reference = inspect.signature(getattr(_numpy, name))
     assert [(p.name, p.kind.name, p.default) for p in kernel.parameters.values()] == [
-        (p.name, p.kind.name, p.default) for p in twin.parameters.values()
+        (p.name, p.kind.name, p.default) for p in reference.parameters.values()
     ]
 
 

@@ -1,6 +1,6 @@
-"""Trajectory GOSPA: who follows whom at the least cost, solved cluster by cluster.
+"""Trajectory GOSPA: the assignment over time of least cost, solved cluster by cluster.
 
-In units of c^p a state of either side costs 1/2 where nobody answers it. A pair (i, j) that is held
+In units of c^p a state of either side costs 1/2 where it is not matched. A pair (i, j) that is held
 with weight W at a step where the two are nearer than c saves the gain 1 - (d/c)^p of it; elsewhere
 holding it is free. Every change of W costs (gamma/c)^p / 2. So the metric is
 
@@ -10,8 +10,8 @@ over weights of at least 0 whose sums over each truth and over each track are at
 Trajectories that are never nearer than c have no part in each other's weights: clusters are solved
 one by one, on the steps at which some pair of theirs has a gain. A cluster around a single truth or
 a single track is a chain of choices, solved exactly by dynamic programming: its changes are a
-distance on a star with none in the middle, for which the relaxation on a chain is tight. Any other
-cluster is a linear programme.
+distance on a star with "unmatched" in the middle, for which the relaxation on a chain is tight.
+Any other cluster is a linear programme.
 """
 
 import math
@@ -28,7 +28,7 @@ Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class Meetings:
+class ClosePairs:
     """Every step at which a truth and a track are nearer than the cutoff."""
 
     step: Places
@@ -54,21 +54,21 @@ class Cluster:
         """What holding a pair at a step saves, shape (P, L)."""
         return 1 - self.powers
 
-    def price(self, ratio: float, p: float) -> float:
+    def switching_cost(self, ratio: float, p: float) -> float:
         """What a change of 1 costs, for a ``ratio`` of gamma to c.
 
-        A change that costs more than all there is to gain is never made, however dear it is.
+        A change that costs more than all possible gains is never made, whatever it costs.
         """
         most = 1 + float(self.gains.sum())
         return most if p * math.log(ratio) > math.log(2 * most) else ratio**p / 2
 
 
-def meetings(
+def close_pairs(
     x: Trajectories, y: Trajectories, times: Floats, c: float, norm: float, p: float
-) -> Meetings:
-    """All meetings of two sets on a common clock."""
+) -> ClosePairs:
+    """All close pairs of two sets on a common clock."""
     found = [
-        _meetings_at(k, x, i, y, j, c, norm, p)
+        _close_pairs_at(k, x, i, y, j, c, norm, p)
         for k, (i, j) in enumerate(
             zip(_states_by_step(x, times), _states_by_step(y, times), strict=True)
         )
@@ -76,8 +76,8 @@ def meetings(
     ]
     if not found:
         nothing = np.empty(0, dtype=np.intp)
-        return Meetings(nothing, nothing, nothing, np.empty(0))
-    return Meetings(*(np.concatenate(part) for part in zip(*found, strict=True)))
+        return ClosePairs(nothing, nothing, nothing, np.empty(0))
+    return ClosePairs(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
 
 def _states_by_step(x: Trajectories, times: Floats) -> list[Places]:
@@ -86,7 +86,7 @@ def _states_by_step(x: Trajectories, times: Floats) -> list[Places]:
     return np.split(order, np.searchsorted(when[order], np.arange(1, len(times))))
 
 
-def _meetings_at(
+def _close_pairs_at(
     k: int, x: Trajectories, i: Places, y: Trajectories, j: Places, c: float, norm: float, p: float
 ) -> tuple[Places, Places, Places, Floats]:
     with np.errstate(over="ignore"):
@@ -99,8 +99,8 @@ def _meetings_at(
     return np.full(len(a), k), owners[0], owners[1], ratios[a, b] ** p
 
 
-def clusters(found: Meetings, truths: int, tracks: int) -> Iterator[Cluster]:
-    """The connected parts of the graph of meetings."""
+def clusters(found: ClosePairs, truths: int, tracks: int) -> Iterator[Cluster]:
+    """The connected parts of the graph of close_pairs."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -114,7 +114,7 @@ def clusters(found: Meetings, truths: int, tracks: int) -> Iterator[Cluster]:
         yield _cluster(found, members)
 
 
-def _cluster(found: Meetings, members: Places) -> Cluster:
+def _cluster(found: ClosePairs, members: Places) -> Cluster:
     both = np.stack([found.truth[members], found.track[members]], axis=1)
     pairs, which = np.unique(both, axis=0, return_inverse=True)
     when, column = np.unique(found.step[members], return_inverse=True)
@@ -123,14 +123,14 @@ def _cluster(found: Meetings, members: Places) -> Cluster:
     return Cluster(pairs, when, powers)
 
 
-def weights(cluster: Cluster, price: float) -> Floats:
-    """How much each pair is held at each step, where a change of 1 costs ``price``."""
+def weights(cluster: Cluster, cost: float) -> Floats:
+    """How much each pair is held at each step, where a change of 1 costs ``cost``."""
     if (cluster.pairs == cluster.pairs[0]).all(axis=0).any():
-        return _best_chain(cluster.gains, price)
-    return _best_mixture(cluster, price)
+        return _dynamic_program(cluster.gains, cost)
+    return _linear_program(cluster, cost)
 
 
-def _best_chain(gains: Floats, price: float) -> Floats:
+def _dynamic_program(gains: Floats, cost: float) -> Floats:
     """One pair at a time, or none: the best sequence of choices.
 
     A change from one pair to another leads through none, so that a step needs to look at the best
@@ -141,9 +141,9 @@ def _best_chain(gains: Floats, price: float) -> Floats:
     history = []
     for gain in gains.T.tolist():
         best = max(range(count), key=held.__getitem__)
-        released = held[best] - price
+        released = held[best] - cost
         source, free = (best, released) if released > free else (-1, free)
-        taken = free - price
+        taken = free - cost
         history.append((source, [value >= taken for value in held]))
         held = [max(value, taken) + g for value, g in zip(held, gain, strict=True)]
     return _trace(history, held, free, (count, length))
@@ -152,7 +152,7 @@ def _best_chain(gains: Floats, price: float) -> Floats:
 def _trace(
     history: list[tuple[int, list[bool]]], held: list[float], free: float, shape: tuple[int, int]
 ) -> Floats:
-    """Follows the choices of `_best_chain` back from the last step; -1 stands for none."""
+    """Follows the choices of `_dynamic_program` back from the last step; -1 stands for none."""
     result = np.zeros(shape)
     choice = max(range(shape[0]), key=held.__getitem__)
     choice = choice if held[choice] > free else -1
@@ -165,7 +165,7 @@ def _trace(
     return result
 
 
-def _best_mixture(cluster: Cluster, price: float) -> Floats:
+def _linear_program(cluster: Cluster, cost: float) -> Floats:
     """The linear programme over the weights and their changes up and down."""
     from scipy.optimize import linprog
     from scipy.sparse import csr_matrix, hstack, identity, kron
@@ -177,7 +177,7 @@ def _best_mixture(cluster: Cluster, price: float) -> Floats:
     # After minus before is what went up minus what went down.
     balance = hstack([kron(identity(pairs), one[1:] - one[:-1]), -each, each])
     solution = linprog(
-        np.concatenate([-cluster.gains.ravel(), np.full(2 * pairs * (length - 1), price)]),
+        np.concatenate([-cluster.gains.ravel(), np.full(2 * pairs * (length - 1), cost)]),
         A_ub=hstack([shares, csr_matrix((shares.shape[0], 2 * each.shape[0]))]),
         b_ub=np.ones(shares.shape[0]),
         A_eq=balance if length > 1 else None,
@@ -207,12 +207,12 @@ class Parts:
     switching: Floats
 
     @classmethod
-    def of_nobody(cls, x: Trajectories, y: Trajectories, times: Floats) -> "Parts":
-        """The parts where nobody follows anybody."""
+    def unassigned(cls, x: Trajectories, y: Trajectories, times: Floats) -> "Parts":
+        """The parts where nothing is matched."""
         missed, false = (np.bincount(steps(s, times), minlength=len(times)) / 2 for s in (x, y))
         return cls(np.zeros(len(times)), missed, false, np.zeros(max(len(times) - 1, 0)))
 
-    def follow(self, cluster: Cluster, held: Floats, price: float) -> None:
+    def add_cluster(self, cluster: Cluster, held: Floats, cost: float) -> None:
         """Takes in the weights of one cluster."""
         held_near = held * (cluster.powers < 1)
         followed = held_near.sum(axis=0)
@@ -220,7 +220,7 @@ class Parts:
         self.missed[cluster.steps] -= followed / 2
         self.false[cluster.steps] -= followed / 2
         # Between the steps of a cluster nothing changes until just before the next.
-        changes = price * np.abs(np.diff(held, axis=1)).sum(axis=0)
+        changes = cost * np.abs(np.diff(held, axis=1)).sum(axis=0)
         self.switching[cluster.steps[1:] - 1] += changes
 
     def total(self) -> float:

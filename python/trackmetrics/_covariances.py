@@ -1,0 +1,60 @@
+"""Linear algebra of stacks of small covariances whose components may be missing (NaN)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def valid_components(vectors: Floats, covariances: Floats) -> Mask:
+    """``(rows, d)``: the components that have both a value and a variance."""
+    valid: Mask = ~np.isnan(vectors)
+    return valid & ~np.isnan(covariances.diagonal(axis1=1, axis2=2))
+
+
+def fill_missing_with_identity(covariances: Floats, valid: Mask | None = None) -> Floats:
+    """Covariances in which missing (or not ``valid``) components are those of an identity.
+
+    With an error of 0 such a component adds nothing to a quadratic form, and since it is
+    independent of the others it changes nothing of theirs.
+    """
+    absent = np.isnan(covariances)
+    if valid is not None:
+        absent |= ~(valid[:, :, None] & valid[:, None, :])
+    if not absent.any():
+        return covariances
+    return np.where(absent, np.eye(covariances.shape[1]), covariances)
+
+
+def to_unit_diagonal(covariances: Floats) -> Floats:
+    """Covariances scaled to a unit diagonal, with an identity where components are missing.
+
+    Latitudes in degrees next to speeds in knots give condition numbers of 1e9; scaling costs
+    nothing and removes the units. A variance that is not positive stays on the diagonal as it is.
+    """
+    whole = fill_missing_with_identity(covariances)
+    variances = np.einsum("kii->ki", whole)
+    d = np.sqrt(np.where(variances > 0, variances, 1.0))
+    scaled: Floats = (whole + whole.swapaxes(1, 2)) / (2 * d[:, :, None] * d[:, None, :])
+    return scaled
+
+
+def whitened(errors: Floats, covariances: Floats, valid: Mask) -> Floats:
+    """``L^-1 e`` with ``P = L L'``, both of the valid components; 0 in the others."""
+    p = fill_missing_with_identity(covariances, valid)
+    d = np.sqrt(p.diagonal(axis1=1, axis2=2))
+    e = np.where(valid, errors, 0.0) / d
+    white: Floats = np.linalg.solve(np.linalg.cholesky(to_unit_diagonal(p)), e[..., None])[..., 0]
+    return white
+
+
+def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
+    """``e' P^-1 e`` of each row over its valid components; NaN where there is none."""
+    forms = np.full(len(errors), np.nan)
+    valid = valid_components(errors, covariances)
+    rows = valid.any(axis=1)
+    if rows.any():
+        white = whitened(errors[rows], covariances[rows], valid[rows])
+        forms[rows] = (white**2).sum(axis=1)
+    return forms

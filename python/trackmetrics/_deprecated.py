@@ -1,0 +1,88 @@
+"""Old public names: where each is now, and the warning that says so.
+
+One table, read by the modules that the names have left. An old name keeps working and warns once
+per call site; it is removed in the second minor release after the one that renamed it.
+"""
+
+import functools
+import warnings
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, TypeVar
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+RENAMED: dict[str, str] = {
+    "trackmetrics.diagnostics.EstimatorLog": "trackmetrics.logs.EstimatorLog",
+    "trackmetrics.diagnostics.State": "trackmetrics.logs.State",
+    "trackmetrics.diagnostics.read_log": "trackmetrics.logs.read_log",
+    "trackmetrics.io.Boxes": "trackmetrics.tracks.Boxes",
+    "trackmetrics.io.read_mot_challenge": "trackmetrics.tracks.read_mot_challenge",
+    "trackmetrics.report.heat_figure": "trackmetrics.report.heatmap_figure",
+    "trackmetrics.report.page": "trackmetrics.report.render_page",
+    "trackmetrics.report.sweeps.heat_figure": "trackmetrics.report.heatmap_figure",
+    "trackmetrics.report.sweeps.sweep_figure": "trackmetrics.report.sweep_figure",
+}
+"""Old name: new name, both in full."""
+
+
+def warn(old: str, new: str, stacklevel: int = 3) -> None:
+    """Say that ``old`` is now called ``new``."""
+    warnings.warn(f"{old} is now {new}", DeprecationWarning, stacklevel=stacklevel)
+
+
+def module_getattr(module: str) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a module that names have left: finds them where they are now."""
+    moved = {
+        old.rpartition(".")[2]: new
+        for old, new in RENAMED.items()
+        if old.rpartition(".")[0] == module
+    }
+
+    def __getattr__(name: str) -> Any:  # noqa: N807 - it becomes the module's
+        if name not in moved:
+            raise AttributeError(f"module {module!r} has no attribute {name!r}")
+        new = moved[name]
+        warn(f"{module}.{name}", new)
+        place, _, attribute = new.rpartition(".")
+        return getattr(import_module(place), attribute)
+
+    return __getattr__
+
+
+def parameters(**renamed: str) -> Callable[[F], F]:
+    """Let a function take keyword arguments by their old names: ``parameters(level="alpha")``."""
+
+    def decorate(function: F) -> F:
+        @functools.wraps(function)
+        def wrapper(*args: Any, **kwargs: Any) -> Any:
+            for old, new in renamed.items():
+                if old in kwargs:
+                    if new in kwargs:
+                        raise TypeError(
+                            f"{function.__name__}() got both {new!r} and {old!r}, its old name"
+                        )
+                    warn(f"{function.__name__}({old}=)", f"{function.__name__}({new}=)")
+                    kwargs[new] = kwargs.pop(old)
+            return function(*args, **kwargs)
+
+        return wrapper  # type: ignore[return-value]
+
+    return decorate
+
+
+def attribute(new: str) -> Any:
+    """A property for the old name of an attribute or method, to stand in a class body."""
+
+    class Renamed:
+        def __set_name__(self, owner: type, name: str) -> None:
+            self.name, self.owner = name, owner.__name__
+            self.__doc__ = f"Old name of ``{new}``."
+
+        def __get__(self, instance: Any, owner: type | None = None) -> Any:
+            if instance is None:
+                return self
+            warn(f"{self.owner}.{self.name}", f"{self.owner}.{new}")
+            return getattr(instance, new)
+
+    return Renamed()
