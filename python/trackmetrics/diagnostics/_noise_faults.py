@@ -16,6 +16,8 @@ OUTLIER_LEVEL = 0.01
 """Probability of an outlier in a log without any."""
 MOST_OUTLIERS = 0.15
 """Largest fraction of updates that are outliers; beyond, they are the noise."""
+HEAVY_DOF = 4.0
+"""Degrees of freedom of Student's t distribution that stands for heavy tails."""
 ROBUST_DOF = 5.0
 """Degrees of freedom of Student's t distribution for estimates that outliers hardly move."""
 
@@ -23,7 +25,7 @@ ROBUST_DOF = 5.0
 def faults(model: ErrorModel, fit: Fit) -> list[Fault]:
     """The best fault of each kind."""
     base = Baseline(model, model.likelihood(np.ones(model.count)), fit)
-    kinds = (_biases(base), _outliers(base), changes(base), correlations(base))
+    kinds = (_biases(base), _outliers(base), _heavy_tails(base), changes(base), correlations(base))
     return [fault for kind in kinds for fault in kind]
 
 
@@ -109,6 +111,15 @@ def _outliers(base: Baseline) -> Iterator[Fault]:
     claimed = rest.likelihood(ones) + _without_error(base.model, ones, hits)
     fitted = found.value + _without_error(base.model, found.factors, hits)
     yield base.fault("outliers", detail, claimed, fitted, dof, choices)
+
+
+def _heavy_tails(base: Baseline) -> Iterator[Fault]:
+    """Innovations of Student's t distribution: outliers too small to be seen one by one."""
+    heavy = replace(base.model, tail_dof=HEAVY_DOF)
+    found = maximise(heavy, base.fit.factors, tolerance=NEAR)
+    detail = "the innovations have heavier tails than a normal distribution"
+    claimed = heavy.likelihood(np.ones(base.model.count))
+    yield base.fault("outliers", detail, claimed, found.value, 1, 1.0)
 
 
 def _without_error(model: ErrorModel, factors: Floats, hits: NDArray[np.bool_]) -> float:

@@ -32,6 +32,17 @@ UNEXPLAINED = 0.001
 """Probability, under the best factors, of a fault as significant as one that is reported."""
 
 
+_NOTABLE = {
+    "bias": 0.5,
+    "outliers": 0.5,
+    "correlated noise": 0.5,
+    "manoeuvre": 0.01,
+    "changing noise": 0.01,
+}
+"""p-value, under the best factors, above which a fault is no better explanation than they are. A
+change in time can imitate a wrong factor, and must be seen beside it."""
+
+
 @dataclass(frozen=True)
 class Factor(Record):
     """By what a claimed noise covariance must be multiplied."""
@@ -274,7 +285,7 @@ def _verdict(listed: Sequence[Fault], gain: float, p_value: float) -> tuple[str,
     if significant:
         best = max(significant, key=lambda f: f.gain)
         return best.reason, best.detail
-    better = [f for f in listed if f.gain > max(gain, 0.0) and f.p_value < 0.5]
+    better = [f for f in listed if f.gain > max(gain, 0.0) and f.p_value < _NOTABLE[f.reason]]
     if p_value < ALARM and better:
         best = max(better, key=lambda f: f.gain)
         return best.reason, best.detail
