@@ -186,9 +186,9 @@ def estimate_noise(
     >>> import numpy as np
     >>> from trackmetrics.logs import EstimatorLog
     >>> rng = np.random.default_rng(0)
-    >>> truth = np.cumsum(rng.normal(size=300))
+    >>> truth = np.cumsum(rng.normal(size=100))
     >>> x, P, rows = 0.0, 10.0, []
-    >>> for z in truth + 2 * rng.normal(size=300):
+    >>> for z in truth + 2 * rng.normal(size=100):
     ...     P_pred = P + 1
     ...     S = P_pred + 1
     ...     K, nu = P_pred / S, z - x
@@ -197,7 +197,7 @@ def estimate_noise(
     >>> innovation, S, P_pred, P, A = zip(*rows)
     >>> log = EstimatorLog.from_columns(
     ...     states=["s"], innovation=innovation, S=S, P_pred=P_pred, P=P, A=A,
-    ...     H=[[[1.0]]] * 300, measurement_type=["radar"] * 300)
+    ...     H=[[[1.0]]] * 100, measurement_type=["radar"] * 100)
     >>> found = estimate_noise(log)
     >>> found.causes
     ('measurement radar',)
@@ -351,7 +351,7 @@ def _sentences(estimate: NoiseEstimate) -> list[str]:
     elif estimate.causes:
         lines.append("change: " + ", ".join(estimate.causes))
     else:
-        lines.append("no change is needed")
+        lines.append("no change is significant")
     if estimate.disagreeing:
         lines.append("tracks that disagree: " + ", ".join(estimate.disagreeing))
     return lines
