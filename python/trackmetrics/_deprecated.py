@@ -13,7 +13,10 @@ from typing import Any, TypeVar
 F = TypeVar("F", bound=Callable[..., Any])
 
 RENAMED: dict[str, str] = {
+    "trackmetrics.Whiteness": "trackmetrics.WhitenessTest",
+    "trackmetrics.consistency.Whiteness": "trackmetrics.consistency.WhitenessTest",
     "trackmetrics.diagnostics.EstimatorLog": "trackmetrics.logs.EstimatorLog",
+    "trackmetrics.diagnostics.Whiteness": "trackmetrics.diagnostics.InnovationCorrelation",
     "trackmetrics.diagnostics.State": "trackmetrics.logs.State",
     "trackmetrics.diagnostics.read_log": "trackmetrics.logs.read_log",
     "trackmetrics.io.Boxes": "trackmetrics.tracks.Boxes",

@@ -4,21 +4,17 @@ from trackmetrics import _deprecated
 from trackmetrics.diagnostics._noise_model import LinearModel
 from trackmetrics.diagnostics.diagnose import diagnose
 from trackmetrics.diagnostics.live import LiveMonitor, LiveStatus
-from trackmetrics.diagnostics.noise import (
-    Factor,
-    NoiseEstimate,
-    estimate_noise,
-)
-from trackmetrics.diagnostics.records import (
+from trackmetrics.diagnostics.noise import Factor, NoiseEstimate, estimate_noise
+from trackmetrics.diagnostics.results import (
     VERDICTS,
     Bias,
+    InnovationCorrelation,
     Outlier,
     QuantityVerdict,
     Segment,
     StateDiagnosis,
-    Whiteness,
 )
-from trackmetrics.diagnostics.results import Diagnosis, TrackDiagnosis
+from trackmetrics.diagnostics.track import Diagnosis, TrackDiagnosis
 from trackmetrics.diagnostics.whatif import WhatIf, whatif
 
 __all__ = [
@@ -26,6 +22,7 @@ __all__ = [
     "Bias",
     "Diagnosis",
     "Factor",
+    "InnovationCorrelation",
     "LinearModel",
     "LiveMonitor",
     "LiveStatus",
@@ -36,7 +33,6 @@ __all__ = [
     "StateDiagnosis",
     "TrackDiagnosis",
     "WhatIf",
-    "Whiteness",
     "diagnose",
     "estimate_noise",
     "whatif",

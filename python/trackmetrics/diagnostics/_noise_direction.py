@@ -10,8 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from trackmetrics.diagnostics._noise_fit import chi_square_tail
-from trackmetrics.diagnostics.innovations import CAUSES, LEAST_PAIRS, Innovations, correlation
-from trackmetrics.logs.columns import Columns, components
+from trackmetrics.diagnostics.cause import CAUSES
+from trackmetrics.diagnostics.innovations import Innovations, innovations_at
+from trackmetrics.diagnostics.thresholds import MIN_PAIRS_FOR_CORRELATION
+from trackmetrics.diagnostics.whiteness import innovation_correlation
+from trackmetrics.logs.columns import Columns
 from trackmetrics.logs.log import EstimatorLog
 
 SIGNIFICANT = 0.01
@@ -34,18 +37,18 @@ def direction(log: EstimatorLog) -> Direction:
     sizes, correlations, updates = [], [], 0
     for track in log.tracks:
         own = _innovations(log[track])
-        if len(own) < LEAST_PAIRS:
+        if len(own) < MIN_PAIRS_FOR_CORRELATION:
             continue
         updates += len(own)
-        squared, dof = own.scale
+        squared, dof = own.sums
         upper = chi_square_tail(squared, int(dof))
         sizes.append(_score(upper))
-        correlations.append(float(np.clip(correlation(own).z, -MOST, MOST)))
+        correlations.append(float(np.clip(innovation_correlation(own).z, -MOST, MOST)))
     if not sizes:
         return Direction(None, float("nan"), updates)
     size, z = _combined(sizes), _combined(correlations)
     p_value, correlated = chi_square_tail(size**2, 1), chi_square_tail(z**2, 1)
-    cause = CAUSES.get(("high" if size > 0 else "low", int(np.sign(z))))
+    cause = CAUSES.get(("optimistic" if size > 0 else "pessimistic", int(np.sign(z))))
     significant = p_value < SIGNIFICANT and correlated < SIGNIFICANT
     return Direction(cause if significant else None, p_value, updates)
 
@@ -64,9 +67,5 @@ def _combined(scores: list[float]) -> float:
 def _innovations(columns: Columns) -> Innovations:
     assert columns.innovation is not None
     assert columns.S is not None
-    there = components(columns.innovation, columns.S)
-    rows = there.any(axis=1)
-    values = np.where(there, columns.innovation, np.nan)[rows]
-    kinds = columns.measurement_type
-    types = np.full(len(values), "", object) if kinds is None else kinds[rows]
-    return Innovations(values, columns.S[rows], types)
+    rows = np.arange(len(columns))
+    return innovations_at(rows, columns, columns.innovation, columns.S)

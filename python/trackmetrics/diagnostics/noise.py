@@ -23,8 +23,8 @@ from trackmetrics.diagnostics._noise_model import (
     NotEnoughError,
     log_model,
 )
-from trackmetrics.diagnostics.records import Record
 from trackmetrics.logs.log import EstimatorLog
+from trackmetrics.results import Result
 
 ALARM = 0.01
 """Probability that a change is advised for a consistent filter."""
@@ -44,7 +44,7 @@ change in time can imitate a wrong factor, and must be seen beside it."""
 
 
 @dataclass(frozen=True)
-class Factor(Record):
+class Factor(Result):
     """By what a claimed noise covariance must be multiplied."""
 
     factor: float
@@ -62,7 +62,7 @@ class Factor(Record):
 
 
 @dataclass(frozen=True)
-class NoiseEstimate(Record):
+class NoiseEstimate(Result):
     """What the noises should be, how sure that is, and whether any noises explain the log."""
 
     process: Mapping[str, Factor]

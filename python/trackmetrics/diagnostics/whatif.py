@@ -9,14 +9,14 @@ import numpy as np
 from trackmetrics.diagnostics._noise_fit import ErrorModel, Floats, chi_square_tail
 from trackmetrics.diagnostics._noise_model import LinearModel, log_model
 from trackmetrics.diagnostics.noise import Factor
-from trackmetrics.diagnostics.records import Record
 from trackmetrics.logs.log import EstimatorLog
+from trackmetrics.results import Result
 
 Factors = float | Mapping[str, float | Factor]
 
 
 @dataclass(frozen=True)
-class WhatIf(Record):
+class WhatIf(Result):
     """A filter as it is and with other noises, if the true noises are these others."""
 
     nis_before: float

@@ -6,7 +6,7 @@ from typing import Any
 from trackmetrics._format import MISSING, number, p_value
 from trackmetrics.diagnostics import QuantityVerdict
 from trackmetrics.report.draw_plotly import numbers
-from trackmetrics.report.theme import segment_verdict
+from trackmetrics.report.theme import segment_role
 from trackmetrics.report.track_view import TrackView
 
 
@@ -41,7 +41,7 @@ def timeline_bars(view: TrackView) -> list[TimelineBar]:
             )
             scale = f"{verdict.quantity.upper()} scale {segment.scale:.3g}, {segment.label}"
             wide = max(right - left, 1.2)
-            bars.append(TimelineBar(left, wide, 11 * row, segment.label, scale))
+            bars.append(TimelineBar(left, wide, 11 * row, segment_role(segment.label), scale))
     return bars
 
 
@@ -55,7 +55,7 @@ def first_event(view: TrackView) -> tuple[float, list[str]]:
 
 def _events(view: TrackView, verdict: QuantityVerdict) -> list[tuple[float, str]]:
     name = verdict.quantity.upper()
-    times = (("from", verdict.onset_time), ("settled", verdict.settle_time))
+    times = (("from", verdict.onset_time), ("settled", verdict.settling_time))
     at = [(event, view.clock.at(time)) for event, time in times if time is not None]
     return [(minute, f"{name} {event} {number(minute, 4)} min") for event, minute in at]
 
@@ -76,7 +76,7 @@ def _segments(view: TrackView) -> Table:
             number(s.scale),
             f"{number(s.interval[0])} to {number(s.interval[1])}",
             p_value(s.p_value),
-            segment_verdict(s.label),
+            s.label,
         )
         for verdict in view.quantities()
         for s in verdict.segments
@@ -92,13 +92,13 @@ def _states(view: TrackView) -> Table:
         (
             f"{s.state} ({s.unit})" if s.unit else s.state,
             ", ".join(s.observed_by) or "never directly",
-            MISSING if s.support is None else str(s.support),
+            MISSING if s.num_direct_updates is None else str(s.num_direct_updates),
             number(s.longest_gap / minute),
             number(s.reference_std),
             number(s.peak_growth),
             number(s.information_gain),
-            number(s.share),
-            number(s.marginal),
+            number(s.nees_share),
+            number(s.marginal_nees),
         )
         for s in view.track.states
     )
