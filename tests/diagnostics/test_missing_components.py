@@ -177,7 +177,7 @@ def test_a_well_tuned_filter_is_consistent(model):
 
 @settings(max_examples=4)
 @given(st.integers(0, 2**32))
-def test_nis_and_nees_have_the_law_of_their_own_degrees_of_freedom(seed):
+def test_nis_and_nees_have_the_distribution_of_their_own_degrees_of_freedom(seed):
     from scipy import stats
 
     c = simulate(10, updates=40, seed=seed).columns

@@ -207,7 +207,7 @@ def _diagnose_track(
         states=states,
         biases=biases,
         whiteness=found.correlation,
-        outliers=nis.segmented.outliers.reported,
+        outliers=nis.shown.outliers.all_reported(),
         updates=len(columns),
         updates_without_nis=len(columns) - len(nis.segmented.trace.rows),
         repeated=log.repeated[given.index],

@@ -6,7 +6,8 @@ All rules about outliers are here, and :class:`OutlierResult` is what everything
    smaller large value. Removed before the track is cut into segments.
 2. *heavy-tailed*: values were removed, or some that remain are extreme; a cause is then not named.
 3. *spike segments*: optimistic by their largest value alone; they count as consistent.
-4. *reported*: the removed values; without a change point, also all others that are extreme.
+4. *reported*: the removed values and the spikes; without a change point, also all others that are
+   extreme.
 """
 
 from collections.abc import Sequence
@@ -36,11 +37,25 @@ class OutlierResult:
     removed: tuple[int, ...] = ()
     """The values that are left out of all other tests."""
     reported: tuple[Outlier, ...] = ()
-    """The outliers of the diagnosis."""
+    """The removed values; without a change point, also all others that are extreme."""
     is_heavy_tailed: bool = False
     """Whether values are extreme for the robust scale of the track."""
     spike_segments: tuple[int, ...] = ()
     """Segments that are too large by their largest value alone."""
+    spikes: tuple[Outlier, ...] = ()
+    """These values."""
+
+    def all_reported(self) -> tuple[Outlier, ...]:
+        """What is reported, spikes included, in the order of time."""
+        if not self.spikes:
+            return self.reported
+        found = {outlier.index: outlier for outlier in (*self.reported, *self.spikes)}
+        return tuple(found[index] for index in sorted(found))
+
+    def without_spikes_in(self, segment: Segment) -> "OutlierResult":
+        """The same without the spikes in this segment: it is too large, not they."""
+        kept = (s for s in self.spikes if not segment.start <= s.index < segment.stop)
+        return replace(self, spikes=tuple(kept))
 
 
 NO_OUTLIERS = OutlierResult()
@@ -141,15 +156,20 @@ def with_segments(
         return found
     rest = inliers(trace, found)
     pair = trace.values[rest], trace.dof[rest]
-    spikes = {i: largest for i in optimistic if (largest := _spike(pair, edges[i : i + 2])) >= 0}
+    spikes = {i: k for i in optimistic if (k := _spike(pair, edges[i : i + 2])) >= 0}
     if not spikes and not found.is_heavy_tailed:
         return found
-    positions = set(found.removed) | {int(rest[k]) for k in spikes.values()}
+    positions = set(found.removed)
     p_values = _p_values(trace, rest)
     if found.is_heavy_tailed and len(segments) == 1 and len(rest) >= MIN_UPDATES_FOR_OUTLIERS:
         positions |= set(np.flatnonzero(p_values < alpha / len(rest)).tolist())
-    reported = tuple(_outlier(trace, k, float(p_values[k])) for k in sorted(positions))
-    return replace(found, spike_segments=tuple(spikes), reported=reported)
+    at_spikes = [int(rest[k]) for k in spikes.values()]
+    return replace(
+        found,
+        reported=tuple(_outlier(trace, k, float(p_values[k])) for k in sorted(positions)),
+        spike_segments=tuple(spikes),
+        spikes=tuple(_outlier(trace, k, float(p_values[k])) for k in at_spikes),
+    )
 
 
 def _spike(pair: Pair, edges: Sequence[int]) -> int:

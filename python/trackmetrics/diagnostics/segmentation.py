@@ -298,7 +298,8 @@ def cut_end(segmented: SegmentedTrace, at_start: bool, alpha: float) -> Segmente
         if i != index and segments[-1].label == "optimistic" and segmented.outliers.spike_segments:
             segments[-1] = _with_spike(segments[-1])
     segments[index] = replace(segments[index], p_value=p_end, label="optimistic", has_spike=False)
-    return replace(segmented, edges=tuple(edges), segments=tuple(segments))
+    outliers = segmented.outliers.without_spikes_in(segments[index])
+    return replace(segmented, edges=tuple(edges), segments=tuple(segments), outliers=outliers)
 
 
 def _segment_of(
