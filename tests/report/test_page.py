@@ -13,6 +13,7 @@ from trackmetrics import report
 from trackmetrics.diagnostics import Diagnosis, diagnose
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import theme
+from trackmetrics.report.diagnosis_page import BLOCK
 from trackmetrics.vessel import HeldOut
 
 MEGABYTE = 1e6
@@ -51,10 +52,57 @@ class Document(HTMLParser):
         return [e for e in self.elements if e[0] == tag and wanted.items() <= e[1].items()]
 
 
-def unpacked(document, name):
-    """The JSON content of one of the page's parts."""
+def payload(document, name):
+    """The bytes of one of the page's parts."""
     (element,) = document.find("script", id=name)
-    return json.loads(gzip.decompress(base64.b64decode("".join(element[2]))))
+    return gzip.decompress(base64.b64decode("".join(element[2])))
+
+
+def unpacked(document, index):
+    """The content of a track: its figures, tables and updates, with numbers for columns."""
+    data = payload(document, f"data-{index // BLOCK}")
+    length = int.from_bytes(data[:4], "little")
+    block = json.loads(data[4 : 4 + length])
+    columns = block.pop("columns")[index % BLOCK]
+    track = {part: values[index % BLOCK] for part, values in block.items()}
+    return resolved(track, columns, data[4 + length :])
+
+
+def resolved(value, columns, data):
+    """The same with arrays where there were references."""
+    if isinstance(value, list):
+        return [resolved(item, columns, data) for item in value]
+    if not isinstance(value, dict):
+        return value
+    if "column" in value:
+        found = column(columns[value["column"]], data)
+        return found[column(columns[value["rows"]], data)] if "rows" in value else found
+    whole = {key: resolved(item, columns, data) for key, item in value.items()}
+    if "product" in whole:
+        return np.multiply(*whole["product"])
+    if "names" in whole:
+        return [whole["names"][int(code)] for code in whole["codes"]]
+    if "around" in whole:
+        x, centre, std = whole.pop("around")
+        half = whole.pop("factor") * std
+        whole |= {"x": np.r_[x, x[::-1]], "y": np.r_[centre + half, (centre - half)[::-1]]}
+    return whole
+
+
+def column(description, data):
+    """A column as packing.py describes it."""
+    n, at, form = (description[key] for key in ("n", "at", "form"))
+    if form == "b":
+        return np.unpackbits(np.frombuffer(data, np.uint8, (n + 7) // 8, at), count=n) == 1
+    width = {"f": 3}.get(form) or description["bytes"]
+    planes = np.frombuffer(data, np.uint8, width * n, at).reshape(width, n).astype(np.uint64)
+    codes = sum(plane << np.uint64(8 * (width - 1 - k)) for k, plane in enumerate(planes))
+    if form == "f":
+        return (codes.astype(np.uint32) << np.uint32(8)).view(np.float32).astype(float)
+    if description.get("changes"):
+        codes = np.cumsum(codes, dtype=np.uint64) % np.uint64(256**width)
+    values = description["low"] + description["step"] * codes
+    return np.where(codes == 256**width - 1, np.nan, values)
 
 
 @pytest.fixture(scope="module")
@@ -77,8 +125,7 @@ def test_it_is_well_formed_and_alone(html, document):
 
 
 def test_it_brings_plotly_with_its_licence(html, document):
-    (element,) = document.find("script", id="plotly")
-    code = gzip.decompress(base64.b64decode("".join(element[2]))).decode()
+    code = payload(document, "plotly").decode()
     assert "Plotly" in code
     assert "Copyright 2012" in html
     assert "MIT license" in html
@@ -96,11 +143,16 @@ def test_the_overview_is_sorted_by_severity(small, document):
 
 
 def test_there_are_tables_for_those_who_do_not_see_figures(document):
-    assert len(document.find("caption")) > 8
-    for figure in (e for e in document.elements if e[1].get("role") == "img"):
-        assert figure[1]["aria-label"]
-    columns = unpacked(document, "data-0")["updates"]
-    assert {"minute", "measurement type", "status", "NIS", "dof", "NEES"} == set(columns)
+    for table in document.find("table"):
+        assert table[0]
+    part = unpacked(document, 0)
+    assert [t["caption"] for t in part["tables"]][:2] == [
+        "Segments: squared errors over their expectation from the covariance",
+        "States",
+    ]
+    columns = part["updates"]
+    expected = {"min", "measurement type", "status", "NIS", "NIS dof", "NEES", "NEES dof"}
+    assert set(columns) == expected
     assert {len(values) for values in columns.values()} == {60}
 
 
@@ -108,10 +160,10 @@ def test_every_part_unpacks_to_figures_that_plotly_accepts(small, document):
     import plotly.graph_objects as go
 
     for index, track in enumerate(small[1].by_severity()):
-        part = unpacked(document, f"data-{index}")
+        part = unpacked(document, index)
         from trackmetrics.report.draw_plotly import coloured
 
-        figure = go.Figure(coloured(part["track"], theme.LIGHT))
+        figure = go.Figure(coloured({"data": part["data"], "layout": part["layout"]}, theme.LIGHT))
         start = "minutes since start, 2023-11-14 22:16:20 UTC"
         assert figure.layout.xaxis3.title.text == start
         assert all(trace["name"] == track.track for trace in part["comparison"])
@@ -135,7 +187,6 @@ def test_a_hundred_tracks_are_below_ten_megabytes(fleet_page):
     assert len(document.find("input", type="checkbox")) == 100
     checked = [e for e in document.find("input", type="checkbox") if "checked" in e[1]]
     assert len(checked) == 8
-    assert len([e for e in document.find("details") if "open" in e[1]]) == 1
 
 
 def test_the_same_diagnosis_gives_the_same_file(small, html, tmp_path):
@@ -149,7 +200,7 @@ def test_states_that_are_published_alone_have_their_panels(published):
     log, diagnosis = published
     document = Document(report.render_page(diagnosis, log))
     for index, track in enumerate(diagnosis.by_severity()):
-        figure, rows = unpacked(document, f"data-{index}")["track"], log[track.track]
+        figure, rows = unpacked(document, index), log[track.track]
         titles = [a["text"] for a in figure["layout"]["annotations"]]
         assert titles.count("not in the log") == 6
         estimates = [t for t in figure["data"] if t["name"] == "estimate"]
@@ -168,7 +219,7 @@ def test_updates_that_lack_components_are_small_in_the_support_strip():
     )
     diagnosis = diagnose(log)
     document = Document(report.render_page(diagnosis, log))
-    figure = unpacked(document, "data-0")["track"]
+    figure = unpacked(document, 0)
     sizes = {t["name"]: len(t["x"]) for t in figure["data"] if t["yaxis"] == "y2"}
     assert sizes == {"radar": 20, "radar, some components missing": 10}
     assert "10 innovations lack components" in diagnosis["track"].text

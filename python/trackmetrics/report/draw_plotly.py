@@ -6,17 +6,18 @@ data.
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from html import escape
 from typing import Any
 
 import numpy as np
 
-from trackmetrics.report.axes import finite_runs, log_ticks
+from trackmetrics.report.arrays import Arrays, PlainArrays
+from trackmetrics.report.axes import log_ticks
 from trackmetrics.report.scene import (
     Band,
     ErrorBars,
     Event,
-    Floats,
     HLine,
     Line,
     Panel,
@@ -24,12 +25,12 @@ from trackmetrics.report.scene import (
     Primitive,
     Rects,
     Scene,
+    StdBand,
     Text,
 )
 from trackmetrics.report.theme import Theme
 
 Json = dict[str, Any]
-_DIGITS = 4
 
 
 def draw(scene: Scene, theme: Theme) -> Any:
@@ -50,8 +51,9 @@ def coloured(value: Any, theme: Theme) -> Any:
     return value
 
 
-def figure(scene: Scene) -> Json:
-    """The scene as plotly's data and layout, colours as roles."""
+def figure(scene: Scene, arrays: Arrays | None = None) -> Json:
+    """The scene as plotly's data and layout, colours as roles, numbers by ``arrays``."""
+    arrays = PlainArrays() if arrays is None else arrays
     data: list[Json] = []
     layout = _layout(scene)
     first = next((i for i, panel in enumerate(scene.panels) if panel.linked), 0)
@@ -60,22 +62,26 @@ def figure(scene: Scene) -> Json:
         layout[f"xaxis{x[1:]}"], layout[f"yaxis{y[1:]}"] = _axes(scene, panel, i, first)
         layout["annotations"] += _title(scene, panel)
         for item in panel.primitives:
-            _DRAW[type(item)](_Target(panel, x, y, data, layout), item)
+            _DRAW[type(item)](_Target(panel, x, y, data, layout, arrays), item)
     return {"data": data, "layout": layout}
 
 
 class _Target:
     """Where the primitives of one panel go."""
 
-    def __init__(self, panel: Panel, x: str, y: str, data: list[Json], layout: Json) -> None:
+    def __init__(
+        self, panel: Panel, x: str, y: str, data: list[Json], layout: Json, arrays: Arrays
+    ) -> None:
         self.panel, self.x, self.y, self.data, self.layout = panel, x, y, data, layout
+        self.arrays = arrays
 
     def trace(self, item: Any, **content: Any) -> None:
         """Adds a trace."""
         axes = {"xaxis": self.x, "yaxis": self.y, "type": "scatter"}
+        listed = self.panel.legend and isinstance(item, Line | Band | StdBand)
         named = {
             "name": literal(item.name),
-            "showlegend": self.panel.legend and isinstance(item, (Line, Band)) and bool(item.name),
+            "showlegend": listed and bool(item.name),
         }
         self.data.append({**axes, **named, **content})
 
@@ -92,6 +98,7 @@ class _Target:
         return float(np.log10(max(y, 1e-12))) if self.panel.log else y
 
 
+@lru_cache(4096)
 def literal(text: str) -> str:
     """Escapes a text so that plotly shows it unchanged.
 
@@ -101,24 +108,29 @@ def literal(text: str) -> str:
     return "&#64;" + safe[1:] if safe.startswith("@") else safe
 
 
-def numbers(values: Floats, log: bool = False) -> list[float | None]:
-    """Numbers as short as the eye can tell: four digits, on a linear axis those of the span."""
-    known = np.isfinite(values)
-    finite = values[known]
-    if log:
-        return [float(f"{v:.{_DIGITS}g}") if v == v else None for v in values.tolist()]
-    span = float(np.ptp(finite)) if finite.size else 0.0
-    span = span or float(np.abs(finite).max(initial=0.0)) or 1.0
-    short: list[float | None] = np.round(values, _DIGITS - int(np.floor(np.log10(span)))).tolist()
-    return short if known.all() else [v if v == v else None for v in short]
-
-
 def _axis_names(i: int) -> tuple[str, str]:
     return (f"x{i + 1}", f"y{i + 1}") if i else ("x", "y")
 
 
+_AXIS: Json = {
+    "gridcolor": "@grid",
+    "linecolor": "@edge",
+    "showline": True,
+    "zeroline": False,
+    "tickfont": {"size": 11},
+    "ticks": "",
+}
+_TEMPLATE: Json = {
+    "layout": {
+        "xaxis": {**_AXIS, "title": {"standoff": 6, "font": {"size": 12}}},
+        "yaxis": {**_AXIS, "title": {"standoff": 8, "font": {"size": 12}}},
+    }
+}
+
+
 def _layout(scene: Scene) -> Json:
     layout: Json = {
+        "template": _TEMPLATE,
         "width": scene.width,
         "height": scene.height,
         "margin": {"l": 0, "r": 0, "t": 0, "b": 0, "pad": 0},
@@ -193,20 +205,11 @@ def _title(scene: Scene, panel: Panel) -> list[Json]:
 def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
     bounds = panel.bounds
     bottom = 1 - (bounds.top + bounds.height) / scene.height
-    common = {
-        "gridcolor": "@grid",
-        "linecolor": "@edge",
-        "showline": True,
-        "zeroline": False,
-        "tickfont": {"size": 11},
-        "ticks": "",
-    }
     x: Json = {
-        **common,
         "domain": [bounds.left / scene.width, (bounds.left + bounds.width) / scene.width],
         "anchor": _axis_names(i)[1],
         "showticklabels": bool(panel.x_label),
-        "title": {"text": literal(panel.x_label), "standoff": 6, "font": {"size": 12}},
+        "title": {"text": literal(panel.x_label)},
     }
     if panel.x_limits:
         x["range"] = list(panel.x_limits)
@@ -215,10 +218,9 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
     if panel.linked and i != first:
         x["matches"] = _axis_names(first)[0]
     y = {
-        **common,
         "domain": [bottom, bottom + bounds.height / scene.height],
         "anchor": _axis_names(i)[0],
-        "title": {"text": literal(panel.y_label), "standoff": 8, "font": {"size": 12}},
+        "title": {"text": literal(panel.y_label)},
         **_y_scale(panel),
     }
     return x, y
@@ -254,8 +256,8 @@ def _line(target: _Target, item: Line) -> None:
     target.trace(
         item,
         mode="lines",
-        x=numbers(item.x),
-        y=numbers(item.y, target.panel.log),
+        x=target.arrays.times(item.x),
+        y=target.arrays.values(item.y, target.panel.log),
         line=line,
         **({"hovertemplate": _hover(target, item.name)} if item.name else {"hoverinfo": "skip"}),
     )
@@ -266,8 +268,8 @@ def _points(target: _Target, item: Points) -> None:
     target.trace(
         item,
         mode="markers",
-        x=numbers(item.x),
-        y=numbers(item.y, target.panel.log),
+        x=target.arrays.times(item.x, item.rows),
+        y=target.arrays.values(item.y, target.panel.log, item.rows),
         marker={
             "symbol": item.symbol + ("-open" if item.hollow else ""),
             "size": item.size,
@@ -279,60 +281,64 @@ def _points(target: _Target, item: Points) -> None:
     )
 
 
-def _area(target: _Target, item: Band | Rects, x: list[Any], y: list[Any]) -> None:
+def _area(target: _Target, item: Band | StdBand | Rects, **content: Any) -> None:
     target.trace(
         item,
         mode="lines",
-        x=x,
-        y=y,
         fill="toself",
         fillcolor=f"@{item.colour}",
         line={"width": 0},
         hoverinfo="skip",
+        **content,
     )
 
 
 def _band(target: _Target, item: Band) -> None:
-    """The outline of each run without gaps: along the upper side, back along the lower."""
+    _area(target, item, **target.arrays.band(item.x, item.low, item.high, target.panel.log))
+
+
+def _std_band(target: _Target, item: StdBand) -> None:
+    band = target.arrays.std_band(item.x, item.centre, item.std, item.factor)
+    _area(target, item, **band)
+
+
+def _rects(target: _Target, item: Rects) -> None:
+    """The outlines of the rectangles, with gaps between them."""
     xs: list[float | None] = []
     ys: list[float | None] = []
-    x, high, low = (
-        numbers(item.x),
-        _short(target, item.high),
-        _short(target, item.low),
+    for a, b, c, d in zip(item.left, item.right, item.low, item.high, strict=True):
+        gap: list[None] = [None] if xs else []
+        xs += [*gap, *map(_short, (a, b, b, a, a))]
+        ys += [*gap, *map(_short, (c, c, d, d, c))]
+    _area(target, item, x=xs, y=ys)
+
+
+def _short(value: float) -> float:
+    """A coordinate with as many digits as can be seen."""
+    return float(f"{value:.7g}")
+
+
+def _error_bars(target: _Target, item: ErrorBars) -> None:
+    """Upwards bars at points of which nothing else is drawn."""
+    log = target.panel.log
+    bars = {
+        "type": "data",
+        "symmetric": False,
+        "array": target.arrays.values(item.high - item.low, log),
+        "arrayminus": target.arrays.values(np.zeros(len(item.x)), False),
+        "color": f"@{item.colour}",
+        "thickness": item.width,
+        "width": 0,
+    }
+    target.trace(
+        item,
+        mode="markers",
+        x=target.arrays.times(item.x),
+        y=target.arrays.values(item.low, log),
+        error_y=bars,
+        marker={"size": 0.1, "color": f"@{item.colour}"},
+        hoverinfo="skip",
     )
-    for part in finite_runs(item.x, item.low, item.high):
-        gap: list[None] = [None] if xs else []
-        xs += [*gap, *x[part], *x[part][::-1]]
-        ys += [*gap, *high[part], *low[part][::-1]]
-    _area(target, item, xs, ys)
-
-
-def _boxes(target: _Target, item: Rects) -> None:
-    xs: list[float | None] = []
-    ys: list[float | None] = []
-    sides = (numbers(item.left), numbers(item.right))
-    edges = (_short(target, item.low), _short(target, item.high))
-    for a, b, c, d in zip(*sides, *edges, strict=True):
-        gap: list[None] = [None] if xs else []
-        xs += [*gap, a, b, b, a, a]
-        ys += [*gap, c, c, d, d, c]
-    _area(target, item, xs, ys)
-
-
-def _bars(target: _Target, item: ErrorBars) -> None:
-    x = _with_gaps(numbers(item.x), numbers(item.x))
-    y = _with_gaps(_short(target, item.low), _short(target, item.high))
-    line = {"color": f"@{item.colour}", "width": item.width}
-    target.trace(item, mode="lines", x=x, y=y, line=line, hoverinfo="skip")
-
-
-def _short(target: _Target, values: Floats) -> list[float | None]:
-    return numbers(values, target.panel.log)
-
-
-def _with_gaps(low: Sequence[float | None], high: Sequence[float | None]) -> list[float | None]:
-    return [value for pair in zip(low, high, strict=True) for value in (*pair, None)]
 
 
 def _level(target: _Target, item: HLine) -> None:
@@ -385,8 +391,9 @@ def _text(target: _Target, item: Text) -> None:
 
 _DRAW: dict[type[Primitive], Callable[[_Target, Any], None]] = {
     Band: _band,
-    ErrorBars: _bars,
-    Rects: _boxes,
+    StdBand: _std_band,
+    ErrorBars: _error_bars,
+    Rects: _rects,
     Event: _event,
     HLine: _level,
     Line: _line,
