@@ -71,7 +71,7 @@ def test_both_libraries_draw_every_update_once(small):
             if line.get_linestyle() == "None" and line.get_markersize() < 8
         ]
         assert sum(len(line.get_xdata()) for line in nis) == wanted
-            of_nis = [t for t in plotly.data if t.yaxis == "y" and t.mode == "markers"]
+        of_nis = [t for t in plotly.data if t.yaxis == "y" and t.mode == "markers"]
         assert sum(len(t.x) for t in of_nis if t.name not in ("outlier", "95 % interval")) == wanted
 
 

@@ -14,6 +14,7 @@ from trackmetrics.diagnostics import Diagnosis, diagnose
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import theme
 from trackmetrics.report.diagnosis_page import BLOCK
+from trackmetrics.report.packing import FORMS, PackedArrays
 from trackmetrics.vessel import HeldOut
 
 MEGABYTE = 1e6
@@ -63,21 +64,23 @@ def unpacked(document, index):
     data = payload(document, f"data-{index // BLOCK}")
     length = int.from_bytes(data[:4], "little")
     block = json.loads(data[4 : 4 + length])
-    columns = block.pop("columns")[index % BLOCK]
+    columns = block.pop("columns")
+    decoded = decode([column for track in columns for column in track], data[4 + length :])
+    first = sum(map(len, columns[: index % BLOCK]))
     track = {part: values[index % BLOCK] for part, values in block.items()}
-    return resolved(track, columns, data[4 + length :])
+    return resolved(track, decoded[first:])
 
 
-def resolved(value, columns, data):
+def resolved(value, columns):
     """The same with arrays where there were references."""
     if isinstance(value, list):
-        return [resolved(item, columns, data) for item in value]
+        return [resolved(item, columns) for item in value]
     if not isinstance(value, dict):
         return value
     if "column" in value:
-        found = column(columns[value["column"]], data)
-        return found[column(columns[value["rows"]], data)] if "rows" in value else found
-    whole = {key: resolved(item, columns, data) for key, item in value.items()}
+        found = columns[value["column"]]
+        return found[columns[value["rows"]]] if "rows" in value else found
+    whole = {key: resolved(item, columns) for key, item in value.items()}
     if "product" in whole:
         return np.multiply(*whole["product"])
     if "names" in whole:
@@ -89,20 +92,34 @@ def resolved(value, columns, data):
     return whole
 
 
-def column(description, data):
-    """A column as packing.py describes it."""
-    n, at, form = (description[key] for key in ("n", "at", "form"))
+def decode(columns, data):
+    """The numbers of all columns of a block, as packing.py describes them."""
+    found, at = {}, 0
+    for form in FORMS:
+        members = [i for i, column in enumerate(columns) if column["form"] == form]
+        sizes = [-(-columns[i]["n"] // 8) if form == "b" else columns[i]["n"] for i in members]
+        width = 1 if form == "b" else int(form[1])
+        planes = np.frombuffer(data, np.uint8, width * sum(sizes), at).reshape(width, sum(sizes))
+        at += planes.size
+        for i, part in zip(members, np.split(planes, np.cumsum(sizes)[:-1], axis=1), strict=False):
+            found[i] = numbers(columns[i], part)
+    assert at == len(data)
+    return [found[i] for i in range(len(columns))]
+
+
+def numbers(column, planes):
+    """The numbers of a column of these planes."""
+    form, width = column["form"], len(planes)
     if form == "b":
-        return np.unpackbits(np.frombuffer(data, np.uint8, (n + 7) // 8, at), count=n) == 1
-    width = {"f": 3}.get(form) or description["bytes"]
-    planes = np.frombuffer(data, np.uint8, width * n, at).reshape(width, n).astype(np.uint64)
-    codes = sum(plane << np.uint64(8 * (width - 1 - k)) for k, plane in enumerate(planes))
-    if form == "f":
-        return (codes.astype(np.uint32) << np.uint32(8)).view(np.float32).astype(float)
-    if description.get("changes"):
+        return np.unpackbits(planes[0], count=column["n"]) == 1
+    shifts = np.uint64(8) * np.arange(width, dtype=np.uint64)[::-1, None]
+    codes = (planes.astype(np.uint64) << shifts).sum(axis=0, dtype=np.uint64)
+    if form.endswith("d"):
         codes = np.cumsum(codes, dtype=np.uint64) % np.uint64(256**width)
-    values = description["low"] + description["step"] * codes
-    return np.where(codes == 256**width - 1, np.nan, values)
+    values = np.where(codes == 256**width - 1, np.nan, column["low"] + column["step"] * codes)
+    if form[0] == "l":
+        values = np.where((codes == 0) & (column.get("zero", 0) == 1), 0.0, np.exp(values))
+    return values
 
 
 @pytest.fixture(scope="module")
@@ -174,6 +191,35 @@ def test_every_part_unpacks_to_figures_that_plotly_accepts(small, document):
         np.testing.assert_allclose(drawn, nis, rtol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("values", "log", "precision"),
+    [
+        (np.linspace(-3, 5, 50), False, 8 / 4096),
+        (np.geomspace(1e-3, 1e4, 50), True, 1e-2),
+        (np.r_[0.0, np.geomspace(1e-3, 1e4, 49)], True, 1e-2),
+        (np.where(np.arange(50) % 7 == 0, np.nan, np.arange(50.0)), False, 1e-12),
+        (np.full(50, 7.25), False, 0),
+        (np.full(50, np.nan), False, 0),
+        (np.full(50, np.nan), True, 0),
+        (np.r_[np.inf, np.arange(49.0)], False, 1e-12),
+    ],
+)
+def test_packed_numbers_come_back(values, log, precision):
+    arrays = PackedArrays()
+    arrays.begin_track()
+    rows = np.arange(50) % 3 > 0
+    content = {"y": arrays.values(values, log, rows), "x": arrays.times(np.arange(50) / 7)}
+    data = arrays.payload({"tracks": [content]})
+    length = int.from_bytes(data[:4], "little")
+    header = json.loads(data[4 : 4 + length])
+    columns = decode(header["columns"][0], data[4 + length :])
+    found = resolved(header["tracks"][0], columns)
+    np.testing.assert_allclose(found["x"], np.arange(50) / 7, atol=1e-6)
+    wanted = np.where(np.isfinite(values), values, np.nan)[rows]
+    tolerance = {"rtol": precision} if log else {"rtol": 1e-9, "atol": precision}
+    np.testing.assert_allclose(found["y"], wanted, **tolerance)
+
+
 def test_both_themes_are_in_it(html):
     for chosen in theme.THEMES:
         for role, colour in chosen.colours.items():
@@ -205,7 +251,7 @@ def test_states_that_are_published_alone_have_their_panels(published):
         assert titles.count("not in the log") == 6
         estimates = [t for t in figure["data"] if t["name"] == "estimate"]
         assert len(estimates) == 2
-        np.testing.assert_allclose(estimates[0]["y"], rows.x[:, 2], atol=1e-3)
+        np.testing.assert_allclose(estimates[0]["y"], rows.x[:, 2], atol=np.ptp(rows.x[:, 2]) / 4096)
         measured = sum(len(t["y"]) for t in figure["data"] if t["name"].startswith("measured"))
         assert measured == 2 * (rows.measurement_type == "AISMeasurement").sum()
 

@@ -17,7 +17,7 @@ from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
 from trackmetrics.report.comparison_scene import Comparison
 from trackmetrics.report.holdout_section import predictions
-from trackmetrics.report.packing import PackedArrays
+from trackmetrics.report.packing import FORMS, PackedArrays
 from trackmetrics.report.page_tables import (
     first_event,
     quantity_verdicts,
@@ -32,7 +32,9 @@ from trackmetrics.vessel import HeldOut
 
 SHOWN = theme.TRACK_COLOURS
 """Number of tracks that the comparison shows at first, the most severe ones."""
-BLOCK = 20
+MAX_PLAIN_ROWS = 200
+"""The overview of more tracks than this is compressed, too, and needs JavaScript."""
+BLOCK = 40
 """Number of tracks whose figures are compressed together and unpacked at once."""
 
 
@@ -78,15 +80,21 @@ def render_page(
     )
     env.filters.update(number=number, p=p_value)
     plotly, comparison = get_plotlyjs(), Comparison(views)
+    tracks = [_row(i, view) for i, view in enumerate(views)]
+    rows = ""
+    if len(views) > MAX_PLAIN_ROWS:
+        rows = _compressed(env.get_template("rows.html").render(tracks=tracks).encode())
     html: str = env.get_template("page.html").render(
         title=title,
         warnings=diagnosis.warnings,
         counts=_counts(views),
-        tracks=[_row(i, view) for i, view in enumerate(views)],
+        tracks=tracks,
+        rows=rows,
         predictions=predictions(views, held_out),
         themes=theme.THEMES,
         shown=SHOWN,
         block_size=BLOCK,
+        forms=FORMS,
         blocks=_blocks(views, comparison),
         comparison=_compressed(_json(draw_plotly.figure(comparison.scene(()))).encode()),
         plotly=_compressed(plotly.encode()),
@@ -165,4 +173,4 @@ def _json(content: Any) -> str:
 
 def _compressed(content: bytes) -> str:
     """The content as the browser unpacks it; the same content gives the same text."""
-    return base64.b64encode(gzip.compress(content, 6, mtime=0)).decode()
+    return base64.b64encode(gzip.compress(content, 8, mtime=0)).decode()

@@ -5,6 +5,7 @@ a figure, in the browser for the page. So the page changes its theme without a s
 data.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from html import escape
@@ -95,7 +96,7 @@ class _Target:
 
     def height(self, y: float) -> float:
         """A value of the y axis as annotations want it; a zero lies below every logarithmic one."""
-        return float(np.log10(max(y, 1e-12))) if self.panel.log else y
+        return math.log10(max(y, 1e-12)) if self.panel.log else y
 
 
 @lru_cache(4096)
@@ -184,8 +185,8 @@ def _text_at(scene: Scene, left: float, top: float, text: str, size: float, colo
         "showarrow": False,
         "xref": "paper",
         "yref": "paper",
-        "x": left / scene.width,
-        "y": 1 - top / scene.height,
+        "x": _short(left / scene.width),
+        "y": _short(1 - top / scene.height),
         "xanchor": "left",
         "yanchor": "top",
         "align": "left",
@@ -206,19 +207,22 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
     bounds = panel.bounds
     bottom = 1 - (bounds.top + bounds.height) / scene.height
     x: Json = {
-        "domain": [bounds.left / scene.width, (bounds.left + bounds.width) / scene.width],
+        "domain": [
+            _short(bounds.left / scene.width),
+            _short((bounds.left + bounds.width) / scene.width),
+        ],
         "anchor": _axis_names(i)[1],
         "showticklabels": bool(panel.x_label),
         "title": {"text": literal(panel.x_label)},
     }
     if panel.x_limits:
-        x["range"] = list(panel.x_limits)
+        x["range"] = [_short(v) for v in panel.x_limits]
     if panel.x_ticks is not None:
         x |= _named_ticks(panel.x_ticks)
     if panel.linked and i != first:
         x["matches"] = _axis_names(first)[0]
     y = {
-        "domain": [bottom, bottom + bounds.height / scene.height],
+        "domain": [_short(bottom), _short(bottom + bounds.height / scene.height)],
         "anchor": _axis_names(i)[0],
         "title": {"text": literal(panel.y_label)},
         **_y_scale(panel),
@@ -229,7 +233,7 @@ def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
 def _y_scale(panel: Panel) -> Json:
     scale: Json = {"type": "log" if panel.log else "linear"}
     if panel.y_limits:
-        scale["range"] = [float(np.log10(v)) if panel.log else v for v in panel.y_limits]
+        scale["range"] = [_short(math.log10(v) if panel.log else v) for v in panel.y_limits]
     ticks = panel.ticks
     if ticks is None and panel.log and panel.y_limits:
         ticks = tuple(log_ticks(panel.y_limits))
@@ -241,7 +245,10 @@ def _y_scale(panel: Panel) -> Json:
 
 
 def _named_ticks(ticks: Sequence[tuple[float, str]]) -> Json:
-    return {"tickvals": [v for v, _ in ticks], "ticktext": [literal(name) for _, name in ticks]}
+    return {
+        "tickvals": [_short(v) for v, _ in ticks],
+        "ticktext": [literal(name) for _, name in ticks],
+    }
 
 
 def _hover(target: _Target, name: str) -> str:
@@ -342,22 +349,28 @@ def _error_bars(target: _Target, item: ErrorBars) -> None:
 
 
 def _level(target: _Target, item: HLine) -> None:
-    across = {"xref": f"{target.x} domain", "yref": target.y, "x0": 0, "x1": 1, "y0": item.y}
+    across = {
+        "xref": f"{target.x} domain",
+        "yref": target.y,
+        "x0": 0,
+        "x1": 1,
+        "y0": _short(item.y),
+    }
     if item.top is None:
         line = {"color": f"@{item.colour}", "width": 1, "dash": item.dash}
-        target.shape(type="line", y1=item.y, line=line, **across)
+        target.shape(type="line", y1=_short(item.y), line=line, **across)
     else:
         fill = f"@{item.colour}"
-        target.shape(type="rect", y1=item.top, fillcolor=fill, line={"width": 0}, **across)
+        target.shape(type="rect", y1=_short(item.top), fillcolor=fill, line={"width": 0}, **across)
 
 
 def _event(target: _Target, item: Event) -> None:
-    ends = {"x0": item.x, "x1": item.x, "y0": 0, "y1": 1}
+    ends = {"x0": _short(item.x), "x1": _short(item.x), "y0": 0, "y1": 1}
     line = {"color": f"@{item.colour}", "width": 1.4, "dash": item.dash}
     target.shape(type="line", xref=target.x, yref=f"{target.y} domain", line=line, **ends)
     target.annotation(
         text=item.label,
-        x=item.x,
+        x=_short(item.x),
         y=1,
         yref=f"{target.y} domain",
         xanchor="right" if item.left else "left",
@@ -371,15 +384,15 @@ def _across(target: _Target, x: float) -> Json:
     """The x position of a text; in fractions of the panel if outside, where plotly hides it."""
     low, high = target.panel.x_limits or (x, x)
     if low <= x <= high:
-        return {"x": x}
-    return {"x": (x - low) / (high - low), "xref": f"{target.x} domain"}
+        return {"x": _short(x)}
+    return {"x": _short((x - low) / (high - low)), "xref": f"{target.x} domain"}
 
 
 def _text(target: _Target, item: Text) -> None:
     target.annotation(
         text=f"<b>{literal(item.text)}</b>" if item.bold else literal(item.text),
         **_across(target, item.x),
-        y=target.height(item.y),
+        y=_short(target.height(item.y)),
         yref=target.y,
         xanchor=item.anchor,
         yanchor="bottom" if item.above else "middle",

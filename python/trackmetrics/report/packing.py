@@ -1,10 +1,10 @@
 """Columns of numbers inside the page: few bytes each, every column once, decoded by the browser.
 
-A column is stored in one of three forms. ``u``: whole numbers of 2 or 4 bytes that count steps from
-the least value; differences of neighbours where those are smaller. ``f``: the upper 3 bytes of
-32-bit floats, rounded to a relative precision of 1.2e-4, for logarithmic axes. ``b``: one bit per
-row. The bytes of a column are stored plane by plane (all first bytes, then all second bytes, ...),
-which compresses better.
+A column is stored in one of these forms. ``u2``, ``u4``: whole numbers of 2 or 4 bytes that count
+steps from the least value. ``l2``: the same for the logarithm, for logarithmic axes. ``u2d``,
+``u4d``, ``l2d``: the differences of neighbours, where those are smaller. ``b``: one bit per row.
+The first bytes of all columns of a form stand together, then the second bytes, and so on: bytes of
+one kind compress best beside each other.
 """
 
 import json
@@ -19,10 +19,13 @@ from trackmetrics.report.scene import Floats
 Json = dict[str, Any]
 FEW = 8
 """Arrays of at most this many numbers are written as lists."""
-LEVELS = {2: 10_000, 4: 2**32 - 2}
-"""Steps from the least to the largest value, by bytes: four digits for values, more for times."""
-_MANTISSA = np.uint32(0x800)
-"""Unit of the last bit that is kept of a 32-bit float."""
+LEVELS = {"u2": 4096, "l2": 8192, "u4": 2**22}
+"""Steps from the least to the largest value: a thirtieth of a pixel of a panel, four digits of a
+value on a logarithmic axis, milliseconds of a day."""
+
+
+FORMS = ("b", "u2", "u2d", "l2", "l2d", "u4", "u4d")
+"""The forms in the order of their bytes."""
 
 
 class PackedArrays:
@@ -39,7 +42,7 @@ class PackedArrays:
 
     def values(self, values: Floats, log: bool, rows: NDArray[np.bool_] | None = None) -> Any:
         """A reference to the values, restricted to ``rows``; a list where they are few."""
-        return self._reference("f" if log else "u2", values, rows)
+        return self._reference("l2" if log else "u2", values, rows)
 
     def times(self, values: Floats, rows: NDArray[np.bool_] | None = None) -> Any:
         """As :meth:`values`, with the precision that times need."""
@@ -89,49 +92,57 @@ def _encoded(columns: list[tuple[str, NDArray[Any]]]) -> tuple[list[Json], bytes
     groups: dict[tuple[str, int], list[int]] = {}
     for i, (form, values) in enumerate(columns):
         groups.setdefault((form, len(values)), []).append(i)
-    found: list[tuple[Json, bytes]] = [({}, b"")] * len(columns)
+    found: list[tuple[Json, list[bytes]]] = [({}, [])] * len(columns)
     for (form, _), members in groups.items():
-        coded = _FORMS[form](np.stack([columns[i][1] for i in members]))
+        coded = _ENCODE[form](form, np.stack([columns[i][1] for i in members]))
         for i, pair in zip(members, coded, strict=True):
             found[i] = pair
-    descriptions, size = [], 0
-    for (_, values), (description, data) in zip(columns, found, strict=True):
-        descriptions.append({"n": len(values), "at": size, **description})
-        size += len(data)
-    return descriptions, b"".join(data for _, data in found)
+    return [description for description, _ in found], _sorted_planes(found)
 
 
-def _planes(values: NDArray[Any], count: int) -> list[bytes]:
-    """For each row the bytes of its whole numbers, the most significant ones of all first."""
+def _sorted_planes(found: list[tuple[Json, list[bytes]]]) -> bytes:
+    """The planes of all columns: by form, by plane, and in the order of the columns."""
+    parts = []
+    for form in FORMS:
+        columns = [planes for description, planes in found if description["form"] == form]
+        parts += [plane for same_plane in zip(*columns, strict=True) for plane in same_plane]
+    return b"".join(parts)
+
+
+def _planes(values: NDArray[Any]) -> list[list[bytes]]:
+    """For each row its planes: the most significant bytes of its numbers, then the next ones."""
     width = values.dtype.itemsize
     bytes_of = values.view(np.uint8).reshape(*values.shape, width)[..., ::-1]
-    planes = np.ascontiguousarray(np.swapaxes(bytes_of[..., :count], 1, 2))
-    return [row.tobytes() for row in planes]
+    return [[plane.tobytes() for plane in row] for row in np.swapaxes(bytes_of, 1, 2)]
 
 
-def _whole(values: Floats, dtype: Any) -> list[tuple[Json, bytes]]:
+def _whole(form: str, values: Floats) -> list[tuple[Json, list[bytes]]]:
     """Steps from the least value of each row; the largest code is NaN."""
-    levels, largest = LEVELS[np.dtype(dtype).itemsize], int(np.iinfo(dtype).max)
+    dtype = np.uint32 if form == "u4" else np.uint16
+    largest, levels = int(np.iinfo(dtype).max), LEVELS[form]
     known = np.isfinite(values)
     low = np.min(values, axis=1, where=known, initial=np.inf)
     span = np.max(values, axis=1, where=known, initial=-np.inf) - low
     low, span = np.where(np.isfinite(span), [low, span], 0.0)
     shifted = np.where(known, values - low[:, None], 0.0)
-    counts = (span < largest) & ~np.any(shifted % 1, axis=1)
+    counts = (span < levels) & ~np.any(shifted % 1, axis=1)
     step = np.where(counts | (span == 0), 1.0, span / levels)
     codes = np.where(known, np.rint(shifted / step[:, None]), largest).astype(dtype)
     changes = np.diff(codes, axis=1, prepend=np.zeros((len(codes), 1), dtype))  # modulo the range
     smaller = _spread(changes) < _spread(codes)
     stored = np.where(smaller[:, None], changes, codes)
+    n = values.shape[1]
     return [
-        ({"form": "u", "bytes": codes.itemsize, **_scale(*scale)}, data)
-        for *scale, data in zip(low, step, smaller, _planes(stored, codes.itemsize), strict=True)
+        (_description(form, n, *scale), data)
+        for *scale, data in zip(low, step, smaller, _planes(stored), strict=True)
     ]
 
 
-def _scale(low: float, step: float, changes: bool) -> Json:
-    scale: Json = {"low": float(f"{low:.9g}"), "step": float(f"{step:.9g}")}
-    return {**scale, "changes": 1} if changes else scale
+def _description(form: str, n: int, low: float, step: float, changes: bool) -> Json:
+    """What the browser needs to decode a column."""
+    digits = 11 if form == "u4" else 6
+    form = f"{form}d" if changes else form
+    return {"form": form, "n": n, "low": float(f"{low:.9g}"), "step": float(f"{step:.{digits}g}")}
 
 
 def _spread(codes: NDArray[Any]) -> NDArray[np.float64]:
@@ -141,20 +152,22 @@ def _spread(codes: NDArray[Any]) -> NDArray[np.float64]:
     return np.asarray(np.abs(signed.astype(np.float64)).mean(axis=1))
 
 
-def _float(values: Floats) -> list[tuple[Json, bytes]]:
-    """The upper 3 bytes of 32-bit floats, rounded."""
-    bits = values.astype(np.float32).view(np.uint32)
-    rounded = np.where(np.isfinite(values), bits + _MANTISSA // 2, bits) & ~(_MANTISSA - 1)
-    return [({"form": "f"}, data) for data in _planes(rounded.astype(np.uint32), 3)]
+def _logarithms(form: str, values: Floats) -> list[tuple[Json, list[bytes]]]:
+    """As :func:`_whole` for the natural logarithm; the least code is zero where there are zeros."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithms = np.log(values)
+    if not np.any(values == 0):
+        return _whole(form, logarithms)
+    lowest = np.min(logarithms, where=np.isfinite(logarithms), initial=0.0)
+    return [
+        ({**description, "zero": 1}, data)
+        for description, data in _whole(form, np.where(values == 0, lowest - 1.0, logarithms))
+    ]
 
 
-def _bits(rows: NDArray[Any]) -> list[tuple[Json, bytes]]:
-    return [({"form": "b"}, row.tobytes()) for row in np.packbits(rows, axis=1)]
+def _bits(form: str, rows: NDArray[Any]) -> list[tuple[Json, list[bytes]]]:
+    description = {"form": form, "n": rows.shape[1]}
+    return [(description, [row.tobytes()]) for row in np.packbits(rows, axis=1)]
 
 
-_FORMS: dict[str, Any] = {
-    "u2": lambda values: _whole(values, np.uint16),
-    "u4": lambda values: _whole(values, np.uint32),
-    "f": _float,
-    "b": _bits,
-}
+_ENCODE: dict[str, Any] = {"u2": _whole, "u4": _whole, "l2": _logarithms, "b": _bits}

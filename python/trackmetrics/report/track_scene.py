@@ -118,14 +118,14 @@ def _quantity_panel(view: TrackView, verdict: QuantityVerdict, bounds: Bounds) -
 def _chi_square_band(view: TrackView, dof: Floats, pixels: float) -> list[Primitive]:
     """The chi-square interval of each update: one band if all have the same dof, else bars."""
     known = np.isfinite(dof)
-    low, high = _distributions.chi2_interval(dof[known], COVERAGE)
-    low, high = low / dof[known], high / dof[known]
     if not known.any():
         return []
+    low, high = _distributions.chi2_interval(dof, COVERAGE)
+    low, high = low / dof, high / dof
     if len(set(dof[known])) == 1:
-        return [HLine(float(low[0]), "band/0.22", top=float(high[0]))]
+        return [HLine(float(np.nanmin(low)), "band/0.22", top=float(np.nanmax(high)))]
     width = float(np.clip(0.5 * pixels / known.sum(), 1.5, 7.0))
-    return [ErrorBars(view.minutes[known], low, high, "band/0.32", width, "95 % interval")]
+    return [ErrorBars(view.minutes, low, high, "band/0.32", round(width, 1), "95 % interval")]
 
 
 def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:

@@ -3,7 +3,7 @@
   const find = (selector, parent = document) => parent.querySelector(selector);
   const all = (selector, parent = document) => [...parent.querySelectorAll(selector)];
   const root = document.documentElement;
-  const rows = all("#overview tbody tr");
+  let rows = all("#overview tbody tr");
   const MIN_WIDTH = 900;
 
   // The data of the page are compressed; each part is unpacked once, when it is first needed.
@@ -19,9 +19,10 @@
   const blocks = new Map();
   async function loadBlock(number) {
     const buffer = await unpack("data-" + number);
-    const length = new DataView(buffer).getUint32(0, true);
-    const header = JSON.parse(text(buffer.slice(4, 4 + length)));
-    return { ...header, bytes: new Uint8Array(buffer, 4 + length), tracks: new Map() };
+    const size = new DataView(buffer).getUint32(0, true);
+    const header = JSON.parse(text(buffer.slice(4, 4 + size)));
+    locate(header.columns.flat(), new Uint8Array(buffer, 4 + size));
+    return { ...header, tracks: new Map() };
   }
   async function content(index) {
     const number = Math.floor(index / BLOCK);
@@ -30,46 +31,56 @@
     const i = index % BLOCK;
     if (!block.tracks.has(i)) {
       const parts = ["comparison", "layout", "data", "tables", "updates"].map((part) => [part, block[part][i]]);
-      const columns = { all: block.columns[i], bytes: block.bytes, decoded: new Map() };
-      block.tracks.set(i, resolve(Object.fromEntries(parts), columns));
+      block.tracks.set(i, resolve(Object.fromEntries(parts), block.columns[i]));
     }
     return block.tracks.get(i);
   }
-  function column({ all, bytes, decoded }, id) {
-    if (!decoded.has(id)) {
-      const { form, n, at, ...code } = all[id];
-      decoded.set(id, DECODE[form](bytes.subarray(at), n, code));
+  // The forms of columns; see packing.py: bytes are sorted by form, plane and column.
+  const FORMS = {{ forms|tojson }};
+  const planes = (form) => (form === "b" ? 1 : Number(form[1]));
+  const length = ({ form, n }) => (form === "b" ? Math.ceil(n / 8) : n);
+  function locate(columns, bytes) {
+    const totals = Object.fromEntries(FORMS.map((form) => [form, 0]));
+    for (const one of columns) {
+      one.at = totals[one.form];
+      totals[one.form] += length(one);
     }
-    return decoded.get(id);
+    let start = 0;
+    const regions = {};
+    for (const form of FORMS) {
+      regions[form] = bytes.subarray(start);
+      start += planes(form) * totals[form];
+    }
+    for (const one of columns) {
+      const at = (plane) => plane * totals[one.form] + one.at;
+      one.planes = Array.from({ length: planes(one.form) }, (_, plane) => regions[one.form].subarray(at(plane)));
+    }
   }
-  // The forms of columns; see packing.py. Bytes are stored plane by plane, the highest first.
-  const DECODE = {
-    b: (bytes, n) => Uint8Array.from({ length: n }, (_, i) => (bytes[i >> 3] >> (7 - (i & 7))) & 1),
-    f(bytes, n) {
-      const bits = new Uint32Array(n);
-      for (let i = 0; i < n; i++) bits[i] = (bytes[i] << 24) | (bytes[n + i] << 16) | (bytes[2 * n + i] << 8);
-      return Float64Array.from(new Float32Array(bits.buffer));
-    },
-    u(bytes, n, code) {
-      const range = 2 ** (8 * code.bytes), values = new Float64Array(n);
-      let last = 0;
-      for (let i = 0; i < n; i++) {
-        let value = 0;
-        for (let plane = 0; plane < code.bytes; plane++) value = 256 * value + bytes[plane * n + i];
-        if (code.changes) value = last = (last + value) % range;
-        values[i] = value === range - 1 ? NaN : code.low + value * code.step;
-      }
-      return values;
-    },
-  };
+  function numbers(one) {
+    one.numbers ??= decode(one);
+    return one.numbers;
+  }
+  function decode({ form, n, low, step, zero, planes }) {
+    if (form === "b") return Uint8Array.from({ length: n }, (_, i) => (planes[0][i >> 3] >> (7 - (i & 7))) & 1);
+    const range = 256 ** planes.length, values = new Float64Array(n);
+    let last = 0;
+    for (let i = 0; i < n; i++) {
+      let code = 0;
+      for (const plane of planes) code = 256 * code + plane[i];
+      if (form.endsWith("d")) code = last = (last + code) % range;
+      const value = code === range - 1 ? NaN : low + code * step;
+      values[i] = form[0] === "l" ? (zero && code === 0 ? 0 : Math.exp(value)) : value;
+    }
+    return values;
+  }
   // References to columns become arrays of numbers.
   function resolve(value, columns) {
     if (Array.isArray(value)) return value.map((v) => resolve(v, columns));
     if (!value || typeof value !== "object") return value;
     if ("column" in value) {
-      const all = column(columns, value.column);
+      const all = numbers(columns[value.column]);
       if (!("rows" in value)) return all;
-      const rows = column(columns, value.rows);
+      const rows = numbers(columns[value.rows]);
       return all.filter((_, i) => rows[i]);
     }
     const whole = Object.fromEntries(Object.entries(value).map(([k, v]) => [k, resolve(v, columns)]));
@@ -289,6 +300,10 @@
   attempt(async () => {
     if (!window.DecompressionStream) throw new Error("this browser is too old to unpack them");
     await loadPlotly();
+    if (find("#rows")) {
+      find("#overview tbody").innerHTML = text(await unpack("rows"));
+      rows = all("#overview tbody tr");
+    }
     rows.forEach(addDetails);
     listen();
     await drawComparison();
