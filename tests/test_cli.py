@@ -164,8 +164,8 @@ def test_one_onset_for_one_diagnosis(capsys):
     assert since(earlier) == "10 s"
     settled = replace(
         track,
-        nis=replace(track.nis, settle_time=3.0),
-        nees=replace(track.nees, settle_time=5.0),
+        nis=replace(track.nis, settling_time=3.0),
+        nees=replace(track.nees, settling_time=5.0),
     )
     assert since(settled) == "until 5 s"
     table = diagnosis_table(Diagnosis((earlier,)))

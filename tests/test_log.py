@@ -161,7 +161,7 @@ BAD = {
     "column": ({"nis": [1.0], "nis_dof": 1, "nus": [1.0]}, "unknown column 'nus'"),
     "status": (
         {"nis": [1.0], "nis_dof": 1, "status": ["lost"]},
-        r"status\[0\] must be 'tentative' or",
+        r"status\[0\] must be 'tentative', 'active' or 'rejected', got",
     ),
     "no n": ({"nees": [1.0]}, "nees needs the number of states"),
     "NEES dof 0": ({"nees": [1.0], "nees_dof": 0}, r"nees_dof\[0\] must be positive, got 0.0"),

@@ -8,6 +8,7 @@ same names and the same numbers. Truth comes first, then estimates; what is unde
 1.0
 """
 
+from trackmetrics import _deprecated
 from trackmetrics._backend import (
     backend,
     set_threads,
@@ -41,7 +42,7 @@ from trackmetrics.consistency import (
     SignificanceTest,
     UniformityTest,
     UpdateIdentity,
-    Whiteness,
+    WhitenessTest,
     anees,
     average_nees,
     average_nis,
@@ -130,7 +131,7 @@ __all__ = [
     "TrajectoryGOSPAResult",
     "UniformityTest",
     "UpdateIdentity",
-    "Whiteness",
+    "WhitenessTest",
     "__version__",
     "anees",
     "auction",
@@ -196,3 +197,5 @@ __all__ = [
     "whiteness",
     "whiteness_across_runs",
 ]
+
+__getattr__ = _deprecated.module_getattr(__name__)

@@ -13,7 +13,10 @@ from typing import Any, TypeVar
 F = TypeVar("F", bound=Callable[..., Any])
 
 RENAMED: dict[str, str] = {
+    "trackmetrics.Whiteness": "trackmetrics.WhitenessTest",
+    "trackmetrics.consistency.Whiteness": "trackmetrics.consistency.WhitenessTest",
     "trackmetrics.diagnostics.EstimatorLog": "trackmetrics.logs.EstimatorLog",
+    "trackmetrics.diagnostics.Whiteness": "trackmetrics.diagnostics.InnovationCorrelation",
     "trackmetrics.diagnostics.State": "trackmetrics.logs.State",
     "trackmetrics.diagnostics.read_log": "trackmetrics.logs.read_log",
     "trackmetrics.io.Boxes": "trackmetrics.tracks.Boxes",
@@ -58,11 +61,11 @@ def parameters(**renamed: str) -> Callable[[F], F]:
         def wrapper(*args: Any, **kwargs: Any) -> Any:
             for old, new in renamed.items():
                 if old in kwargs:
+                    *owner, name = function.__qualname__.split(".")
+                    name = owner[-1] if name == "__init__" else name
                     if new in kwargs:
-                        raise TypeError(
-                            f"{function.__name__}() got both {new!r} and {old!r}, its old name"
-                        )
-                    warn(f"{function.__name__}({old}=)", f"{function.__name__}({new}=)")
+                        raise TypeError(f"{name}() got both {new!r} and {old!r}, its old name")
+                    warn(f"{name}({old}=)", f"{name}({new}=)")
                     kwargs[new] = kwargs.pop(old)
             return function(*args, **kwargs)
 

@@ -101,6 +101,31 @@ def nis_sequence(
     periods: Any,
     nan_where_invalid: bool,
 ) -> Any: ...
+def noise_likelihood(
+    innovations: NDArray[np.float64],
+    observations: NDArray[np.float64],
+    measurement_noises: NDArray[np.float64],
+    types: NDArray[np.int64],
+    transitions: NDArray[np.float64],
+    process_noises: NDArray[np.float64],
+    corrections: NDArray[np.float64],
+    periods: NDArray[np.float64],
+    initial: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    process_factors: NDArray[np.float64],
+    measurement_factors: NDArray[np.float64],
+    initial_factor: float,
+    tail_dof: float,
+    tail_scales: NDArray[np.float64],
+    derivatives: bool,
+) -> tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+]: ...
 def ospa(x: Any, y: Any, c: float, p: float) -> OSPAResult: ...
 def ospa2(
     truth: Any,

@@ -14,11 +14,11 @@ from trackmetrics.diagnostics import (
     VERDICTS,
     Bias,
     Diagnosis,
+    InnovationCorrelation,
     Outlier,
     QuantityVerdict,
     Segment,
     StateDiagnosis,
-    Whiteness,
     diagnose,
 )
 from trackmetrics.logs import EstimatorLog, State
@@ -109,7 +109,7 @@ def quantity(name, verdict, times, cuts, scales, **moments):
     edges = [0, *cuts, len(times)]
     segments = []
     for start, stop, scale in zip(edges, edges[1:], scales, strict=False):
-        label = "high" if scale > 1.25 else "low" if scale < 0.8 else "consistent"
+        label = "optimistic" if scale > 1.25 else "pessimistic" if scale < 0.8 else "consistent"
         ends = (float(times[start]), float(times[stop - 1]))
         interval = (0.7 * scale, 1.5 * scale)
         p = 0.4 if label == "consistent" else 1e-6
@@ -120,15 +120,15 @@ def quantity(name, verdict, times, cuts, scales, **moments):
         (
             "onset_index",
             "onset_time",
-            "settle_index",
-            "settle_time",
+            "settling_index",
+            "settling_time",
             "alarm_index",
             "alarm_time",
             "alarm_onset_time",
         )
     )
     scale = scales[-1] if segments else math.nan
-    fields = {"scale": scale, "interval": (0.7 * scale, 1.5 * scale), "inflation": 1.0}
+    fields = {"scale": scale, "interval": (0.7 * scale, 1.5 * scale), "autocorrelation_time": 1.0}
     return QuantityVerdict(
         quantity=name,
         verdict=verdict,
@@ -154,7 +154,7 @@ def track_diagnosis(like, log, name, verdict):
     if verdict == "late_divergence":
         moments = {"onset_time": float(times[late]), "alarm_time": float(times[late + 1])}
     if verdict.startswith("startup"):
-        moments = {"settle_time": float(times[len(times) // 4])}
+        moments = {"settling_time": float(times[len(times) // 4])}
     std = rows.std
     states = tuple(
         StateDiagnosis(
@@ -187,10 +187,10 @@ def track_diagnosis(like, log, name, verdict):
         weakest_state="turn_rate" if fails else None,
         states=states,
         biases=(Bias("innovation", FULL, "cog", 1.5, "deg", 4.1, 0.001),) if fails else (),
-        whiteness=Whiteness(0.05, 0.6, 0.55, 80),
+        whiteness=InnovationCorrelation(0.05, 0.6, 0.55, 80),
         outliers=(Outlier(5, float(times[5]), 31.0, 4.0, 1e-6),) if fails else (),
         updates=len(rows),
-        tentative=int((~good).sum()),
+        updates_without_nis=int((~good).sum()),
         repeated=0,
         log_start=log.start_time,
         start_time=float(rows.time[0]),

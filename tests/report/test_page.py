@@ -251,7 +251,9 @@ def test_states_that_are_published_alone_have_their_panels(published):
         assert titles.count("not in the log") == 6
         estimates = [t for t in figure["data"] if t["name"] == "estimate"]
         assert len(estimates) == 2
-        np.testing.assert_allclose(estimates[0]["y"], rows.x[:, 2], atol=np.ptp(rows.x[:, 2]) / 4096)
+        np.testing.assert_allclose(
+            estimates[0]["y"], rows.x[:, 2], atol=np.ptp(rows.x[:, 2]) / 4096
+        )
         measured = sum(len(t["y"]) for t in figure["data"] if t["name"].startswith("measured"))
         assert measured == 2 * (rows.measurement_type == "AISMeasurement").sum()
 

@@ -43,6 +43,9 @@ from trackmetrics._numpy.monte_carlo import (
     histograms,
     run_sums,
 )
+from trackmetrics._numpy.noise_likelihood import (
+    noise_likelihood,
+)
 from trackmetrics._numpy.point_sets import (
     gospa,
     gospa_from_distances,
@@ -102,6 +105,7 @@ __all__ = [
     "nees_sequence",
     "nis",
     "nis_sequence",
+    "noise_likelihood",
     "ospa",
     "ospa2",
     "ospa_assignment",

@@ -21,39 +21,26 @@ def _colour(verdict: str) -> str:
     return _COLOURS.get(verdict, "red")
 
 
-def onset_time(track: TrackDiagnosis) -> float | None:
-    """The earliest onset of the NIS and the NEES."""
-    return min(_times(track, "onset_time"), default=None)
-
-
-def settling_time(track: TrackDiagnosis) -> float | None:
-    """The time from which both the NIS and the NEES have settled."""
-    return max(_times(track, "settle_time"), default=None)
-
-
 def since(track: TrackDiagnosis) -> str:
     """When the inconsistency began or, if it was at the start only, until when it lasted."""
-    onset, settling = onset_time(track), settling_time(track)
+    onset, settling = track.onset_time, track.settling_time
     if onset is not None:
         return track.timeline.at(onset)
     return "-" if settling is None else f"until {track.timeline.at(settling)}"
 
 
-def _times(track: TrackDiagnosis, name: str) -> list[float]:
-    quantities = [quantity for quantity in (track.nis, track.nees) if quantity is not None]
-    return [time for quantity in quantities if (time := getattr(quantity, name)) is not None]
-
-
 def scale_text(scale: float, interval: tuple[float, float]) -> str:
     """A scale with its interval."""
+    if scale != scale:
+        return "-"
     return f"{number(scale)} [{number(interval[0])}, {number(interval[1])}]"
 
 
 COLUMNS = (
     Column("track", lambda t: t.track),
     Column("verdict", lambda t: t.verdict, style=lambda t: _colour(t.verdict)),
-    Column("onset_time", onset_time, "since", since, rank=1),
-    Column("settling_time", settling_time, rank=None),
+    Column("onset_time", lambda t: t.onset_time, "since", since, rank=1),
+    Column("settling_time", lambda t: t.settling_time, rank=None),
     Column("weakest_state", lambda t: t.weakest_state, rank=2),
     Column("updates", lambda t: t.updates, rank=3, right=True),
     Column(

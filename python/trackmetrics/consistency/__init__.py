@@ -11,6 +11,7 @@
 | `subspace` | which states; the identity of an update |
 """
 
+from trackmetrics import _deprecated
 from trackmetrics.consistency.chi_square import consistency_test, credibility_interval
 from trackmetrics.consistency.correlation_time import (
     correlation_time,
@@ -51,7 +52,7 @@ from trackmetrics.consistency.results import (
     SignificanceTest,
     UniformityTest,
     UpdateIdentity,
-    Whiteness,
+    WhitenessTest,
 )
 from trackmetrics.consistency.subspace import marginal_nees, subspace_nees, update_identity
 from trackmetrics.consistency.whiteness import whiteness, whiteness_across_runs
@@ -66,7 +67,7 @@ __all__ = [
     "SignificanceTest",
     "UniformityTest",
     "UpdateIdentity",
-    "Whiteness",
+    "WhitenessTest",
     "anees",
     "average_nees",
     "average_nis",
@@ -100,3 +101,5 @@ __all__ = [
     "whiteness",
     "whiteness_across_runs",
 ]
+
+__getattr__ = _deprecated.module_getattr(__name__)

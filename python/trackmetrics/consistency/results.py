@@ -74,7 +74,7 @@ class NormalizedMeanError(_Result):
 
 
 @dataclass(frozen=True, eq=False)
-class Whiteness(_Result):
+class WhitenessTest(_Result):
     """Correlation of whitened innovations with later ones, and whether it is significant."""
 
     lags: Any

@@ -8,7 +8,7 @@ import numpy as np
 from trackmetrics import _check, _distributions, errors
 from trackmetrics._check import Floats
 from trackmetrics.consistency._input import nees_check, whitened
-from trackmetrics.consistency.results import Whiteness
+from trackmetrics.consistency.results import WhitenessTest
 
 
 def whiteness(
@@ -17,7 +17,7 @@ def whiteness(
     *,
     lags: int | None = None,
     confidence: float = 0.95,
-) -> Whiteness:
+) -> WhitenessTest:
     """Is each innovation of a run independent of the earlier ones?
 
     Innovations are whitened by their own covariance, ``u = L^-1 v`` with ``S = L L'``; then
@@ -42,7 +42,7 @@ def whiteness(
 
     Returns
     -------
-    Whiteness
+    WhitenessTest
         The correlation at each lag in [-1, 1], 0 is white, and the test of all of them.
 
     Raises
@@ -78,7 +78,7 @@ def whiteness(
     statistic = (pairs * correlation**2).sum(-1)
     p_value = _distributions.chi2_sf(statistic, longest)
     white = p_value >= 1 - confidence
-    return Whiteness(numbers, correlation, bound, statistic, longest, p_value, white)
+    return WhitenessTest(numbers, correlation, bound, statistic, longest, p_value, white)
 
 
 def _longest_lag(lags: int | None, count: int) -> int:
@@ -136,7 +136,7 @@ def _lagged(a: Floats, b: Floats) -> tuple[Floats, Floats]:
 
 def whiteness_across_runs(
     innovations: Any, innovation_covariances: Any, *, lag: int = 1, confidence: float = 0.95
-) -> Whiteness:
+) -> WhitenessTest:
     """Is each innovation independent of an earlier one, at every time, over independent runs?
 
         rho(k) = sum_i u_i(k)' u_i(k+lag) / sqrt( sum_i |u_i(k)|^2 sum_i |u_i(k+lag)|^2 )
@@ -155,7 +155,7 @@ def whiteness_across_runs(
 
     Returns
     -------
-    Whiteness
+    WhitenessTest
         One correlation for each of the K - lag times; ``statistic`` sums their squares over their
         variances.
 
@@ -195,4 +195,4 @@ def whiteness_across_runs(
     statistic = runs * m * (correlation**2).sum()
     p_value = _distributions.chi2_sf(statistic, count - lag)
     white = p_value >= 1 - confidence
-    return Whiteness(lag, correlation, bound, statistic, count - lag, p_value, white)
+    return WhitenessTest(lag, correlation, bound, statistic, count - lag, p_value, white)

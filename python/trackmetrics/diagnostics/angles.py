@@ -1,9 +1,9 @@
-"""Angles that were not wrapped, and degrees that are radians: what counts as evidence.
+"""Angles that were not wrapped, and courses in radians that are declared in degrees.
 
-A residual of a course beyond 180 degrees in the log may be a bug of the filter or of the logging.
-It is a bug where the logged NIS is that of the unwrapped residual; where the NIS is that of the
-wrapped one only the log is at fault; without NIS or S there is a suspicion. Innovations that were
-computed here are no evidence of anything.
+A logged innovation of an angle beyond half its period may be a bug of the filter or of the logging.
+It is a bug of the filter if the logged NIS is that of the unwrapped innovation; of the logging if
+the NIS is that of the wrapped one; without NIS or S it is suspected. Innovations that were computed
+here prove nothing.
 """
 
 from collections.abc import Sequence
@@ -12,17 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._angles import wrap
+from trackmetrics._covariances import quadratic_forms
+from trackmetrics.diagnostics.thresholds import MIN_STEPS_FOR_COURSE, NIS_MATCH_TOLERANCE
 from trackmetrics.logs.columns import Columns, Floats
-from trackmetrics.logs.derived import quadratic_forms, wrapped
 from trackmetrics.logs.log import EstimatorLog
-
-MATCH = 1e-6
-LEAST_STEPS = 5
 
 
 @dataclass(frozen=True)
-class Unwrapped:
-    """Logged innovations beyond half a period: rows of the log by what they prove."""
+class WrappingCheck:
+    """Logged innovations beyond half a period: which rows of the log, by what they prove."""
 
     proven: NDArray[np.bool_]
     """The logged NIS is that of the unwrapped residual."""
@@ -31,13 +30,13 @@ class Unwrapped:
     suspected: NDArray[np.bool_]
     """There is no NIS or no S to tell by, or the NIS is neither."""
 
-    def of(self, rows: slice) -> "Unwrapped":
-        """Those of some rows."""
-        return Unwrapped(self.proven[rows], self.harmless[rows], self.suspected[rows])
+    def of(self, rows: slice) -> "WrappingCheck":
+        """The check of some rows."""
+        return WrappingCheck(self.proven[rows], self.harmless[rows], self.suspected[rows])
 
 
-def unwrapped(log: EstimatorLog, periods: Floats | None) -> Unwrapped | None:
-    """Every row of the log, held against its innovation's periods; None if no row is beyond."""
+def check_wrapping(log: EstimatorLog, periods: Floats | None) -> WrappingCheck | None:
+    """Checks the innovations of every row against their periods; None if none is beyond half."""
     columns = log.columns
     if columns.innovation is None or periods is None:
         return None
@@ -47,18 +46,18 @@ def unwrapped(log: EstimatorLog, periods: Floats | None) -> Unwrapped | None:
         return None
     none = np.zeros(len(log), bool)
     if columns.S is None or columns.nis is None:
-        return Unwrapped(none, none, rows)
+        return WrappingCheck(none, none, rows)
     telling = rows & log.was_logged("nis")
     raw = quadratic_forms(columns.innovation, columns.S)
-    proper = quadratic_forms(wrapped(columns.innovation, periods), columns.S)
+    proper = quadratic_forms(wrap(columns.innovation, periods), columns.S)
     proven = telling & _close(columns.nis, raw) & ~_close(columns.nis, proper)
     harmless = telling & _close(columns.nis, proper)
-    return Unwrapped(proven, harmless, rows & ~proven & ~harmless)
+    return WrappingCheck(proven, harmless, rows & ~proven & ~harmless)
 
 
 def _close(a: Floats, b: Floats) -> NDArray[np.bool_]:
     with np.errstate(invalid="ignore"):
-        close: NDArray[np.bool_] = np.abs(a - b) <= MATCH * np.maximum(1.0, np.abs(b))
+        close: NDArray[np.bool_] = np.abs(a - b) <= NIS_MATCH_TOLERANCE * np.maximum(1.0, np.abs(b))
     return close
 
 
@@ -69,7 +68,7 @@ _POSITIONS = (
 )
 
 
-def radians_in_degrees(log: EstimatorLog) -> tuple[str, ...]:
+def find_radian_headings(log: EstimatorLog) -> tuple[str, ...]:
     """Warnings for courses that are declared in degrees and logged in radians.
 
     Only where all values lie within 2 pi of 0, and the course over the positions agrees with them
@@ -101,13 +100,13 @@ def _positions(names: Sequence[str]) -> tuple[int, int] | None:
 
 
 def _agrees(log: EstimatorLog, course: int, place: tuple[int, int]) -> bool:
-    over_ground, said = _courses(log, course, place)
-    if len(said) < LEAST_STEPS:
+    over_ground, logged = _courses(log, course, place)
+    if len(logged) < MIN_STEPS_FOR_COURSE:
         return False
     # A course may count from north clockwise or from east the other way.
     for reference in (over_ground, np.pi / 2 - over_ground):
-        as_radians = np.cos(reference - said).mean()
-        as_degrees = np.cos(reference - np.radians(said)).mean()
+        as_radians = np.cos(reference - logged).mean()
+        as_degrees = np.cos(reference - np.radians(logged)).mean()
         if as_radians > np.cos(np.radians(20)) and as_degrees < np.cos(np.radians(45)):
             return True
     return False
@@ -115,7 +114,7 @@ def _agrees(log: EstimatorLog, course: int, place: tuple[int, int]) -> bool:
 
 def _courses(log: EstimatorLog, course: int, place: tuple[int, int]) -> tuple[Floats, Floats]:
     """Course over ground in radians from north between updates, and the course logged there."""
-    over_ground, said = [], []
+    over_ground, logged = [], []
     latitude = log.state_names[place[0]].lower().startswith("lat")
     for track in log.tracks:
         x = _complete(log[track], [*place, course])
@@ -124,8 +123,8 @@ def _courses(log: EstimatorLog, course: int, place: tuple[int, int]) -> tuple[Fl
             east = east * np.cos(np.radians(x[1:, place[0]]))
         moved = np.hypot(north, east) > 0
         over_ground.append(np.arctan2(east, north)[moved])
-        said.append(x[1:, course][moved])
-    return np.concatenate(over_ground), np.concatenate(said)
+        logged.append(x[1:, course][moved])
+    return np.concatenate(over_ground), np.concatenate(logged)
 
 
 def _complete(columns: Columns, states: Sequence[int]) -> Floats:

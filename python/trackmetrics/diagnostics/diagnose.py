@@ -1,30 +1,59 @@
 """From a log to its diagnosis."""
 
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
 
-from trackmetrics import _backend
-from trackmetrics.consistency.correlation_time import correlation_times
-from trackmetrics.diagnostics.angles import radians_in_degrees, unwrapped
-from trackmetrics.diagnostics.judging import Quantity, transitions
-from trackmetrics.diagnostics.results import Diagnosis
-from trackmetrics.diagnostics.segmentation import Pair, candidates, cut, edges, scores_within
-from trackmetrics.diagnostics.trace import LEAST_UPDATES, Candidates, Trace
-from trackmetrics.diagnostics.track import Evidence, assemble
-from trackmetrics.diagnostics.verdict import describe
-from trackmetrics.logs.columns import Columns, Floats, Integers, components, present
-from trackmetrics.logs.derived import component_periods, wrapped
+import numpy as np
+
+from trackmetrics import _deprecated
+from trackmetrics._angles import wrap
+from trackmetrics._check import number
+from trackmetrics._covariances import valid_components
+from trackmetrics.diagnostics import text
+from trackmetrics.diagnostics.angles import WrappingCheck, check_wrapping, find_radian_headings
+from trackmetrics.diagnostics.attribution import Attribution, attribute_nees
+from trackmetrics.diagnostics.autocorrelation import nees_traces
+from trackmetrics.diagnostics.bias import (
+    Biases,
+    innovation_biases,
+    named_by_states,
+    state_biases,
+)
+from trackmetrics.diagnostics.cause import CAUSE_VERDICTS, probable_cause
+from trackmetrics.diagnostics.cusum import alarm_of_fault
+from trackmetrics.diagnostics.innovations import innovations_at, subtract_biases
+from trackmetrics.diagnostics.results import (
+    FAILING_VERDICTS,
+    InnovationCorrelation,
+    QuantityVerdict,
+)
+from trackmetrics.diagnostics.segmentation import segment_traces
+from trackmetrics.diagnostics.states import diagnose_states, states_by_type, weakest_state
+from trackmetrics.diagnostics.thresholds import ALPHA, MAX_ALPHA, MIN_UPDATES_FOR_BIAS
+from trackmetrics.diagnostics.timeline import Timeline
+from trackmetrics.diagnostics.trace import Trace, no_trace
+from trackmetrics.diagnostics.track import Diagnosis, TrackDiagnosis
+from trackmetrics.diagnostics.verdict import (
+    JudgedTrace,
+    combined_verdict,
+    judge,
+    judge_nees,
+    judge_nis,
+    reconcile_nis_and_nees,
+)
+from trackmetrics.diagnostics.whiteness import innovation_correlation, sign, variance_inflation
+from trackmetrics.logs.columns import Columns, Floats, Integers
+from trackmetrics.logs.derived import component_periods
 from trackmetrics.logs.log import EstimatorLog
 
-LEVEL = 0.004
-"""Chance of a false alarm of each family of tests."""
+NAN = float("nan")
 
 
-def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
-    """Is each track of a log honest, since when, and which state fails?
+@_deprecated.parameters(level="alpha")
+def diagnose(log: EstimatorLog, *, alpha: float = ALPHA) -> Diagnosis:
+    """Diagnoses each track of a log: is it consistent, since when not, and which state fails?
 
-    A verdict for the NIS of each track, one for its NEES where there is truth, and the more severe
-    of the two:
+    Each track has a verdict for its NIS, one for its NEES if there is truth, and the more severe of
+    the two. From the most to the least severe:
 
     ``angle_wrap_bug``
         a logged innovation of an angle lies beyond half its period, and the logged NIS is that of
@@ -34,7 +63,7 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
     ``startup_then_consistent``, ``startup_then_pessimistic``
         too large at the beginning only;
     ``biased``
-        a constant offset of a measurement or of a state explains the excess;
+        the mean innovation of a component or the mean error of a state explains the excess;
     ``optimistic``
         too large throughout: the covariance is too small;
     ``transient``
@@ -42,26 +71,27 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
     ``pessimistic``, ``partly_pessimistic``
         too small in at least half, or in less, of the track: the covariance is too large;
     ``outliers``
-        honest apart from isolated values that are far too large;
+        consistent apart from isolated values that are far too large;
     ``non_white``
-        the right size, but innovations correlate in time;
+        of the right size, but the innovations are correlated in time;
     ``consistent``
         none of these;
     ``insufficient``
         fewer than 4 updates or 8 degrees of freedom.
 
     The NIS c_k with m_k degrees of freedom is taken as s chi2(m_k) with a scale s that is constant
-    in each of at most four segments, found by dynamic programming; a cut must gain more likelihood
-    than the best cut of honest data does by chance. Each segment is tested against s = 1. NEES is
-    treated alike after division by its autocorrelation, known from ``A`` or else estimated.
+    in each of at most four segments, found by dynamic programming; a change point must gain more
+    likelihood than the 1 - ``alpha`` quantile of the best change point of consistent data. Each
+    segment is tested against s = 1. NEES is treated alike after division by its autocorrelation
+    time, computed from ``A`` and ``P`` or else estimated.
 
     Parameters
     ----------
     log
         The log. NIS with their degrees of freedom are enough; innovations with ``S`` add bias,
-        whiteness and cause, errors with ``P`` the states, ``A`` exactness in time.
-    level
-        Chance of a false alarm of each of the six families of tests (segments, levels, ends,
+        whiteness and cause, errors with ``P`` the states, ``A`` exact autocorrelation times.
+    alpha
+        False-alarm probability of each of the six families of tests (segments, levels, ends,
         outliers, whiteness and bias of NIS; the same of NEES), between 0 and 0.05.
 
     Returns
@@ -72,14 +102,14 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
     Raises
     ------
     ValueError
-        If ``level`` is outside its range.
+        If ``alpha`` is outside its range.
 
     Notes
     -----
-    Deterministic: what is drawn is drawn with a fixed seed, once for each pattern of degrees of
-    freedom. A bias common to all sensors cannot be seen without truth. A turn to which the filter
-    adapts shows as ``transient`` in the NIS while the state is still wrong: only the NEES tells.
-    For an estimator far from linear chi-square is an approximation.
+    The result is deterministic: simulations use a fixed seed, once for each pattern of degrees of
+    freedom. A bias common to all sensors cannot be detected without truth. A turn to which the
+    filter adapts is ``transient`` in the NIS while the state is still wrong: only the NEES shows
+    it. For an estimator far from linear, chi-square is an approximation.
 
     References
     ----------
@@ -89,6 +119,7 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
     Examples
     --------
     >>> import numpy as np
+    >>> from trackmetrics.logs import EstimatorLog
     >>> rng = np.random.default_rng(1)
     >>> nis = rng.chisquare(2, 60)
     >>> nis[40:] *= 8
@@ -96,44 +127,32 @@ def diagnose(log: EstimatorLog, *, level: float = LEVEL) -> Diagnosis:
     >>> d["track"].verdict, d["track"].nis.onset_index
     ('late_divergence', 39)
     """
-    if not 0 < level <= 0.05:
-        raise ValueError(f"level must be above 0 and at most 0.05, got {level!r}")
+    if not 0 < number("alpha", alpha) <= MAX_ALPHA:
+        raise ValueError(f"alpha must be above 0 and at most {MAX_ALPHA}, got {alpha!r}")
     tracks = [log.columns.take(log.rows(t)) for t in range(len(log.tracks))]
-    nis = _judged([_nis_parts(columns) for columns in tracks], level)
-    nees = _judged(_nees_parts(log, tracks, level), level)
+    nis = _judged([_nis_trace(columns) for columns in tracks], alpha)
+    nees = _judged(nees_traces(tracks, alpha), alpha)
+    nothing = judge(segment_traces([no_trace()], alpha)[0], alpha)
     periods = component_periods(log.columns, log.states, log.measurement_angles)
-    angles, warnings = unwrapped(log, periods), radians_in_degrees(log)
+    check, warnings = check_wrapping(log, periods), find_radian_headings(log)
     found = []
     for t, columns in enumerate(tracks):
         rows, values = log.rows(t), columns.innovation
         if values is not None and periods is not None:
-            values = wrapped(values, periods[rows])
-        of_track = None if angles is None else angles.of(rows)
-        quantities = nis[t] or _nothing(), nees[t]
-        evidence = Evidence(log, t, columns, values, *quantities, of_track, warnings, level)
-        found.append(assemble(evidence))
+            values = wrap(values, periods[rows])
+        of_track = None if check is None else check.of(rows)
+        given = _TrackInput(log, t, columns, values, of_track, warnings, alpha)
+        found.append(_diagnose_track(given, nis[t] or nothing, nees[t]))
     return Diagnosis(tuple(found), warnings)
 
 
-_Parts = tuple[Trace, Integers, float]
+def _judged(traces: list[Trace | None], alpha: float) -> list[JudgedTrace | None]:
+    """All traces segmented in one go, each with its verdict."""
+    segmented = iter(segment_traces([t for t in traces if t is not None], alpha))
+    return [None if trace is None else judge(next(segmented), alpha) for trace in traces]
 
 
-def _judged(parts: list[_Parts | None], level: float) -> list[Quantity | None]:
-    """All traces cut in one go, each with its verdict."""
-    cut([part[0] for part in parts if part is not None], level)
-    return [
-        None if part is None else Quantity(part[0], part[1], part[2], describe(part[0], level))
-        for part in parts
-    ]
-
-
-def _nothing() -> Quantity:
-    """A quantity that the log does not have."""
-    trace = Trace(np.empty(0), np.empty(0), True)
-    return Quantity(trace, np.empty(0, np.int64), 1.0, describe(trace, LEVEL))
-
-
-def _nis_parts(columns: Columns) -> _Parts | None:
+def _nis_trace(columns: Columns) -> Trace | None:
     """The NIS of a track without tentative updates."""
     if columns.nis is None or columns.nis_dof is None:
         return None
@@ -141,81 +160,175 @@ def _nis_parts(columns: Columns) -> _Parts | None:
     if columns.status is not None:
         usable &= columns.status != "tentative"
     rows = np.flatnonzero(usable)
-    return Trace(columns.nis[rows], columns.nis_dof[rows], True), rows, 1.0
+    return Trace(columns.nis[rows], columns.nis_dof[rows], rows, columns.time[rows], is_nis=True)
 
 
-def _nees_parts(log: EstimatorLog, tracks: list[Columns], level: float) -> list[_Parts | None]:
-    """The NEES of every track over its autocorrelation."""
-    if log.columns.nees is None or log.columns.nees_dof is None:
-        return [None] * len(tracks)
-    rows, pairs = [], []
-    for c in tracks:
-        assert c.nees is not None
-        assert c.nees_dof is not None
-        rows.append(np.flatnonzero(~np.isnan(c.nees)))
-        pairs.append((c.nees[rows[-1]], c.nees_dof[rows[-1]]))
-    inflation = _inflation(tracks, rows, pairs, level)
-    return [
-        (Trace(v / tau, d / tau, False, found=found), r, _middle(tau)) if len(r) else None
-        for (v, d), r, (tau, found) in zip(pairs, rows, inflation, strict=True)
+@dataclass(frozen=True, eq=False)
+class _TrackInput:
+    """What the diagnosis of one track is made from, beside its NIS and NEES."""
+
+    log: EstimatorLog
+    index: int
+    columns: Columns
+    innovations: Floats | None
+    """Wrapped."""
+    wrapping: WrappingCheck | None
+    """None if no innovation of the log is beyond half a period."""
+    warnings: tuple[str, ...]
+    alpha: float
+
+
+def _diagnose_track(
+    given: _TrackInput, nis: JudgedTrace, nees: JudgedTrace | None
+) -> TrackDiagnosis:
+    log, columns, alpha = given.log, given.columns, given.alpha
+    nis, found = _with_innovations(nis, given)
+    if given.wrapping is not None and given.wrapping.proven.any():
+        nis = nis.renamed("angle_wrap_bug", "angles")
+    of_states: Biases = ()
+    if nees is not None:
+        rows = nees.segmented.settled_rows()
+        of_states, is_explained = state_biases(columns, rows, log.states, alpha)
+        before = nees
+        nees = judge_nees(nees, is_explained)
+        nis, nees = reconcile_nis_and_nees(nis, nees, before, bool(of_states))
+    verdict = combined_verdict(nis.name, None if nees is None else nees.name)
+    biases = named_by_states(found.biases, columns, log.states) + of_states
+    attribution = None if nees is None else _attribution(nees, columns)
+    states = diagnose_states(columns, log.states, _onset(nis, nees), attribution)
+    gap, gap_time = _longest_gap(columns.time)
+    return TrackDiagnosis(
+        track=log.tracks[given.index],
+        verdict=verdict,
+        nis=quantity_verdict("nis", nis),
+        nees=None if nees is None else quantity_verdict("nees", nees),
+        cause=found.cause if verdict in CAUSE_VERDICTS else None,
+        weakest_state=weakest_state(verdict, None if nees is None else nees.name, states, biases),
+        states=states,
+        biases=biases,
+        whiteness=found.correlation,
+        outliers=nis.shown.outliers.all_reported(),
+        updates=len(columns),
+        updates_without_nis=len(columns) - len(nis.segmented.trace.rows),
+        repeated=log.repeated[given.index],
+        start_time=float(columns.time[0]),
+        stop_time=float(columns.time[-1]),
+        longest_gap=gap,
+        longest_gap_time=gap_time,
+        observed=states_by_type(columns, log.state_names),
+        notes=_notes(given),
+        time_unit=log.time_unit,
+        log_start=log.start_time,
+    )
+
+
+@dataclass(frozen=True)
+class _InnovationFindings:
+    """Bias, correlation and cause from the innovations of the settled part."""
+
+    biases: Biases = ()
+    correlation: InnovationCorrelation | None = None
+    cause: str | None = None
+
+
+def _with_innovations(
+    nis: JudgedTrace, given: _TrackInput
+) -> tuple[JudgedTrace, _InnovationFindings]:
+    """The verdict on the NIS in the light of the innovations of its settled part."""
+    columns, alpha = given.columns, given.alpha
+    if given.innovations is None or columns.S is None:
+        return nis, _InnovationFindings()
+    rows = nis.segmented.settled_rows()
+    innovations = innovations_at(rows, columns, given.innovations, columns.S)
+    if len(innovations) < MIN_UPDATES_FOR_BIAS:
+        return nis, _InnovationFindings()
+    biases = innovation_biases(innovations, alpha)
+    correlation = innovation_correlation(subtract_biases(innovations, biases))
+    if biases and sign(correlation, alpha) > 0:
+        biases = innovation_biases(innovations, alpha, variance_inflation(correlation))
+    clean = subtract_biases(innovations, biases)
+    nis = judge_nis(nis, innovations, clean, biases, correlation, alpha)
+    is_heavy_tailed = nis.segmented.outliers.is_heavy_tailed
+    cause = probable_cause(nis.name, correlation, alpha, is_heavy_tailed)
+    return nis, _InnovationFindings(biases, correlation, cause)
+
+
+def _longest_gap(time: Floats) -> tuple[float, float | None]:
+    """The longest time between two updates, and when it begins."""
+    gaps = time[1:] - time[:-1]
+    if not len(gaps):
+        return NAN, None
+    longest = int(gaps.argmax())
+    return float(gaps[longest]), float(time[longest])
+
+
+def quantity_verdict(name: str, judged: JudgedTrace) -> QuantityVerdict:
+    """The result for a judged trace."""
+    shown, verdict, trace = judged.shown, judged.verdict, judged.segmented.trace
+    settled = shown.settled()
+    segment = None if settled is None else shown.segments[settled]
+    onset, settling = (
+        None if k is None else int(shown.inliers[k]) for k in (verdict.onset, verdict.settling)
+    )
+    alarm = alarm_of_fault(trace.pair, shown.alarm, onset)
+    at, rise = (None, None) if alarm is None else alarm
+
+    def row(k: int | None) -> int | None:
+        return None if k is None else int(trace.rows[k])
+
+    def time(k: int | None) -> float | None:
+        return None if k is None else float(trace.times[k])
+
+    return QuantityVerdict(
+        quantity=name,
+        verdict=verdict.verdict,
+        updates=len(trace.rows),
+        segments=shown.segments,
+        scale=NAN if segment is None else segment.scale,
+        interval=(NAN, NAN) if segment is None else segment.interval,
+        onset_index=row(onset),
+        onset_time=time(onset),
+        settling_index=row(settling),
+        settling_time=time(settling),
+        alarm_index=row(at),
+        alarm_time=time(at),
+        alarm_onset_time=time(rise),
+        autocorrelation_time=trace.autocorrelation_time,
+        decided_by=verdict.decided_by,
+    )
+
+
+def _onset(nis: JudgedTrace, nees: JudgedTrace | None) -> int | None:
+    """The update at which the fault begins, by the quantity that shows it first."""
+    found = [
+        int(q.segmented.rows[q.verdict.onset])
+        for q in (nis, nees)
+        if q is not None and q.verdict.onset is not None
     ]
+    return min(found, default=None)
 
 
-def _middle(tau: Floats | float) -> float:
-    """The median, the upper one of two; np.median costs ten times as much."""
-    if isinstance(tau, float):
-        return tau
-    half = len(tau) // 2
-    return float(np.partition(tau, half)[half])
+def _attribution(nees: JudgedTrace, columns: Columns) -> Attribution | None:
+    """The NEES of the last optimistic segment (else of all updates) attributed to the states."""
+    if nees.name not in FAILING_VERDICTS or columns.error is None or columns.P is None:
+        return None
+    rows = _failing_rows(nees)
+    rows = rows[valid_components(columns.error[rows], columns.P[rows]).any(axis=1)]
+    return attribute_nees(columns.error[rows], columns.P[rows]) if len(rows) else None
 
 
-def _inflation(
-    tracks: list[Columns], rows: list[Integers], pairs: list[Pair], level: float
-) -> list[tuple[Floats | float, Candidates | None]]:
-    """tau of every NEES: from the model where A and P are logged, else from the values.
-
-    One tau for all values of a track scales every gain and moves no cut.
-    """
-    tau: list[tuple[Floats | float, Candidates | None]] = [(1.0, None)] * len(rows)
-    modelled = [i for i, (c, r) in enumerate(zip(tracks, rows, strict=True)) if _has_model(c, r)]
-    if modelled:
-        steps = np.concatenate([transitions(tracks[i], rows[i]) for i in modelled])
-        claims = np.concatenate([_claims(tracks[i], rows[i]) for i in modelled])
-        starts = np.concatenate([[0], np.cumsum([len(rows[i]) for i in modelled])])
-        known = np.concatenate([_known(tracks[i], rows[i]) for i in modelled])
-        mask = None if known.all() else known.astype(np.int64).ravel()
-        model = _backend.kernels.nees_inflation(steps, claims, starts.astype(np.int64), mask)
-        for i, a, b in zip(modelled, starts[:-1], starts[1:], strict=True):
-            tau[i] = model[a:b], None
-    free = [i for i, r in enumerate(rows) if i not in set(modelled) and len(r) >= LEAST_UPDATES]
-    chosen = [pairs[i] for i in free]
-    best = candidates(chosen)
-    times = correlation_times(scores_within(chosen, edges(chosen, best, level))).tolist()
-    for i, time, found in zip(free, times, best, strict=True):
-        tau[i] = time, Candidates(found.gains / time, found.cuts)
-    return tau
+def _failing_rows(nees: JudgedTrace) -> Integers:
+    segmented = nees.segmented
+    failing = [i for i, s in enumerate(segmented.segments) if s.label == "optimistic"]
+    if not failing:
+        return segmented.rows
+    return segmented.rows[segmented.edges[failing[-1]] : segmented.edges[failing[-1] + 1]]
 
 
-def _has_model(columns: Columns, rows: Integers) -> bool:
-    """Whether P is there for every NEES and A for most (not for the first, or while tentative)."""
-    if columns.A is None or columns.P is None or columns.nees_dof is None or not len(rows):
-        return False
-    if present(columns.A[rows]).mean() <= 0.5 or np.isnan(columns.P[rows]).any():
-        return False
-    return bool((_known(columns, rows).sum(axis=1) == columns.nees_dof[rows]).all())
-
-
-def _known(columns: Columns, rows: Integers) -> NDArray[np.bool_]:
-    """The components of the errors that made these NEES; all where no error is logged."""
-    assert columns.P is not None
-    whole = np.ones((len(rows), columns.P.shape[1]), bool)
-    if columns.error is None:
-        return whole
-    there = components(columns.error[rows], columns.P[rows])
-    some = np.logical_or.reduce(there, axis=1)
-    return np.where(some[:, None], there, whole)
-
-
-def _claims(columns: Columns, rows: Integers) -> Floats:
-    assert columns.P is not None
-    return columns.P[rows]
+def _notes(given: _TrackInput) -> tuple[str, ...]:
+    """Warnings about the log, vectors that lack components, and angles that are not wrapped."""
+    notes = [*given.warnings, *text.incomplete_vectors(given.columns)]
+    if given.wrapping is not None:
+        timeline = Timeline(given.log.start_time, given.log.time_unit)
+        notes += text.wrapping(given.wrapping, given.columns.time, timeline)
+    return tuple(notes)

@@ -1,174 +1,210 @@
-"""What a diagnosis says of each track and of all of them."""
+"""The results of a diagnosis for the parts of a track: quantities, segments, outliers, states.
 
-from collections.abc import Iterator, Mapping
+Times are in the unit of the log and indices count the updates of one track from 0. A ``scale`` is
+the mean of a squared error over its expectation from the covariance: 1 if consistent, above 1
+optimistic (the covariance is too small), below 1 pessimistic (the covariance is too large).
+"""
+
 from dataclasses import dataclass
-from typing import Any
 
-from trackmetrics.diagnostics import text
-from trackmetrics.diagnostics.records import (
-    VERDICTS,
-    Bias,
-    Outlier,
-    QuantityVerdict,
-    Record,
-    StateDiagnosis,
-    Whiteness,
+from trackmetrics import _deprecated
+from trackmetrics.results import Result
+
+NAN = float("nan")
+
+VERDICTS = (
+    "angle_wrap_bug",
+    "late_divergence",
+    "startup_then_consistent",
+    "startup_then_pessimistic",
+    "biased",
+    "optimistic",
+    "transient",
+    "pessimistic",
+    "partly_pessimistic",
+    "outliers",
+    "non_white",
+    "consistent",
+    "insufficient",
 )
-from trackmetrics.diagnostics.timeline import Timeline
+"""Every verdict, the most severe first."""
+
+FAILING_VERDICTS = VERDICTS[: VERDICTS.index("transient") + 1]
+"""Verdicts that say that errors are larger than the covariance says."""
 
 
 @dataclass(frozen=True)
-class TrackDiagnosis(Record):
-    """What a log says about one track."""
+class Segment(Result):
+    """Consecutive updates with one common scale."""
 
-    track: str
-    """Its name."""
-    verdict: str
-    """The more severe of the verdicts of NIS and NEES; one of :data:`VERDICTS`."""
-    nis: QuantityVerdict
-    """The verdict of the NIS (``"insufficient"`` without one)."""
-    nees: QuantityVerdict | None
-    """The verdict of the NEES; None without truth."""
-    cause: str | None
-    """``"process noise too small"``, ``"measurement noise too small"``, ``"process noise too
-    large"`` or ``"measurement noise too large"`` where the innovations tell, else None."""
-    weakest_state: str | None
-    """The state that fails first or most; None where nothing fails or nothing can be told."""
-    states: tuple[StateDiagnosis, ...]
-    """Every state, in the order of the log; empty where the log has no states."""
-    biases: tuple[Bias, ...]
-    """Significant constant offsets."""
-    whiteness: Whiteness | None
-    """Correlation of the innovations in the settled part; None without them."""
-    outliers: tuple[Outlier, ...]
-    """Single NIS that are far too large, whatever the verdict."""
-    updates: int
-    """How many updates the track has, without repeated rows."""
-    tentative: int
-    """How many of them carry no NIS."""
-    repeated: int
-    """How many repeated rows were dropped."""
+    start: int
+    """Its first update."""
+    stop: int
+    """The update after its last, so that ``start:stop`` is a slice."""
     start_time: float
-    """Time of the first update."""
+    """Time of its first update."""
     stop_time: float
-    """Time of the last update."""
+    """Time of its last update."""
+    dof: float
+    """Degrees of freedom of its values together (divided by ``autocorrelation_time``)."""
+    scale: float
+    """Mean value per degree of freedom; 1 if consistent."""
+    interval: tuple[float, float]
+    """95 % confidence interval of the scale."""
+    p_value: float
+    """Two-sided p-value of "the scale is 1", corrected for the number of segments (Holm)."""
+    label: str
+    """``"optimistic"`` (too large), ``"pessimistic"`` (too small) or ``"consistent"``."""
+    has_spike: bool = False
+    """Whether it is too large by one value alone, an outlier; it then counts as consistent."""
+
+
+@dataclass(frozen=True)
+class QuantityVerdict(Result):
+    """The verdict of one quantity of a track, its NIS or its NEES."""
+
+    quantity: str
+    """``"nis"`` or ``"nees"``."""
+    verdict: str
+    """One of :data:`VERDICTS`."""
+    updates: int
+    """How many updates carry the quantity."""
+    segments: tuple[Segment, ...]
+    """The track, cut where the scale changes."""
+    scale: float
+    """Scale of the settled part (the longest segment that is not optimistic, else the longest);
+    NaN if insufficient."""
+    interval: tuple[float, float]
+    """95 % confidence interval of ``scale``."""
+    onset_index: int | None
+    """Update at which the fault begins (late divergence, transient), else None."""
+    onset_time: float | None
+    """Its time."""
+    settling_index: int | None
+    """First update after a bad start, else None."""
+    settling_time: float | None
+    """Its time."""
+    alarm_index: int | None
+    """Update at which an online CUSUM for "too large" would have raised an alarm, else None; where
+    there is an onset, the first alarm from the onset on."""
+    alarm_time: float | None
+    """Its time."""
+    alarm_onset_time: float | None
+    """Time at which that CUSUM began to rise."""
+    autocorrelation_time: float
+    """Median factor by which correlation in time widens the quantity's spread; 1 for NIS."""
+    decided_by: str = "segments"
+    """What the verdict follows from: ``"segments"``, ``"start test"`` or ``"end test"`` (the first
+    or last few updates), ``"bias"``, ``"correlation"`` (size of innovations that are correlated),
+    ``"size and correlation"`` (significant together only), ``"angles"``, ``"nis"`` or ``"nees"``
+    (the other quantity)."""
+
+    settle_index = _deprecated.attribute("settling_index")
+    settle_time = _deprecated.attribute("settling_time")
+    inflation = _deprecated.attribute("autocorrelation_time")
+
+
+@dataclass(frozen=True)
+class Outlier(Result):
+    """An update whose NIS is far too large for the scale of the track."""
+
+    index: int
+    """The update."""
+    time: float
+    """Its time."""
+    nis: float
+    """Its NIS."""
+    dof: float
+    """The degrees of freedom of that NIS."""
+    p_value: float
+    """Probability of a NIS at least as large under the robust scale of the track."""
+
+
+@dataclass(frozen=True)
+class Bias(Result):
+    """A significant bias: the mean innovation of a component, or the mean error of a state.
+
+    Errors are estimate minus truth, innovations measurement minus prediction.
+    """
+
+    kind: str
+    """``"innovation"`` or ``"state"``."""
+    measurement_type: str | None
+    """The measurement type of an innovation's bias."""
+    component: str
+    """Name of the state or of the innovation's component."""
+    value: float
+    """The bias, in ``unit``."""
+    unit: str
+    """Unit of the value; empty if unknown."""
+    z: float
+    """The bias over its standard deviation."""
+    p_value: float
+    """Two-sided p-value, corrected for the number of biases tested (Holm)."""
+    index: int = 0
+    """Index of the component in the innovation, or of the state."""
+
+
+@dataclass(frozen=True)
+class InnovationCorrelation(Result):
+    """Correlation of each whitened innovation with the next few."""
+
+    lag1: float
+    """Correlation with the next innovation, in [-1, 1]; 0 for a consistent filter."""
+    z: float
+    """Weighted sum over the next few lags, in standard deviations: positive for positive
+    autocorrelation (over three lags), negative for negative autocorrelation (over two)."""
+    p_value: float
+    """Two-sided p-value."""
+    pairs: int
+    """How many pairs of components the first lag is estimated from."""
+    second_half_z: float = NAN
+    """The same sum as ``z`` over the second half alone."""
+    second_half_scale: float = NAN
+    """Mean square of the whitened innovations of the second half; 1 if consistent."""
+
+
+@dataclass(frozen=True)
+class StateDiagnosis(Result):
+    """One state of a track: what observes it, how its uncertainty grew, its part in a fault.
+
+    What the log does not contain is NaN or None.
+    """
+
+    state: str
+    """Name of the state."""
+    unit: str
+    """Its unit; empty if unknown."""
+    observed_by: tuple[str, ...]
+    """The measurement types that observe it directly."""
+    num_direct_updates: int | None
+    """How many updates observe it directly."""
     longest_gap: float
-    """Longest time between two updates (NaN with one)."""
-    longest_gap_time: float | None
-    """When that gap begins."""
-    observed: Mapping[str, tuple[str, ...]]
-    """The states that each measurement type observes."""
-    notes: tuple[str, ...]
-    """Suspicions and remarks that do not change the verdict."""
-    time_unit: str = "s"
-    """Unit of all times."""
-    log_start: float = 0.0
-    """Time of the first update of any track of the log."""
+    """Longest time between two of these, or to either end of the track."""
+    reference_std: float
+    """Claimed standard deviation at the first update."""
+    peak_growth: float
+    """Largest claimed standard deviation over ``reference_std``."""
+    peak_time: float | None
+    """Time of the largest."""
+    growth_onset_time: float | None
+    """First of two consecutive updates at which the claimed deviation has doubled, else None."""
+    information_gain: float
+    """Mean share of its variance that an update removes, 1 - P+/P-; 0 if unobserved."""
+    is_observed: bool | None
+    """Whether any update has removed half of its variance; None without P or std."""
+    nees_share: float
+    """Its share of the NEES in the failing segment (Shapley); the shares of all states sum to 1."""
+    shapley_nees: float
+    """The same as a mean value; 1 is expected for each state."""
+    marginal_nees: float
+    """Mean squared error over claimed variance in the failing segment; 1 expected."""
+    conditional_nees: float
+    """Mean decrease of the NEES when the state is left out; 1 expected."""
 
-    @property
-    def timeline(self) -> Timeline:
-        """Times in words."""
-        return Timeline(self.log_start, self.time_unit)
-
-    @property
-    def text(self) -> str:
-        """One paragraph of plain English with the numbers, times since the start of the log."""
-        return " ".join(s for s in (self.findings, self.timeline.note) if s)
-
-    @property
-    def findings(self) -> str:
-        """The same without the moment from which the times count."""
-        return " ".join(s for s in [*self._sentences(), *self.notes] if s)
-
-    def _sentences(self) -> Iterator[str]:
-        """Outliers first, then what the quantities say, then why."""
-        timeline = self.timeline
-        yield f"{self.track}: {self.verdict.replace('_', ' ')}, {text.MEANINGS[self.verdict]}."
-        yield text.outliers_first(self.outliers, timeline)
-        yield from (text.quantity(q, timeline) for q in (self.nis, self.nees) if q is not None)
-        if self.verdict in text.SCALED:
-            yield text.advice(self.nees or self.nis)
-        if self.cause:
-            yield f"Probable cause: {self.cause}."
-        yield from map(text.bias, self.biases)
-        yield text.weakest_state(self.weakest_state, self.states)
-        began = self.longest_gap_time
-        gap = None if began is None else (self.longest_gap, began)
-        yield text.coverage(self.updates, self.tentative, self.repeated, gap, timeline)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The fields and the paragraph as dictionaries, lists, numbers and strings."""
-        return {**super().to_dict(), "text": self.text}
-
-    @property
-    def consistent(self) -> bool:
-        """Whether the verdict is ``"consistent"``."""
-        return self.verdict == "consistent"
-
-    def __repr__(self) -> str:
-        """The verdicts, not every number."""
-        nees = "" if self.nees is None else f", nees={self.nees.verdict!r}"
-        return (
-            f"TrackDiagnosis({self.track!r}, {self.verdict!r}, nis={self.nis.verdict!r}{nees}, "
-            f"updates={self.updates})"
-        )
-
-    def __str__(self) -> str:
-        """The paragraph."""
-        return self.text
-
-
-class Diagnosis(Mapping[str, TrackDiagnosis]):
-    """The diagnosis of every track of a log, by name, in the order of the log."""
-
-    def __init__(self, tracks: tuple[TrackDiagnosis, ...], warnings: tuple[str, ...] = ()) -> None:
-        self._tracks = {track.track: track for track in tracks}
-        self.warnings = warnings
-        """What is suspicious about the log as a whole."""
-
-    def __getitem__(self, track: str) -> TrackDiagnosis:
-        """The diagnosis of the track of this name."""
-        try:
-            return self._tracks[track]
-        except KeyError:
-            known = ", ".join(map(repr, self._tracks))
-            raise KeyError(f"no track {track!r}; the log has {known}") from None
-
-    def __iter__(self) -> Iterator[str]:
-        """The names of the tracks."""
-        return iter(self._tracks)
-
-    def __len__(self) -> int:
-        """How many tracks."""
-        return len(self._tracks)
-
-    @property
-    def consistent(self) -> bool:
-        """Whether every track is."""
-        return all(track.consistent for track in self.values())
-
-    @property
-    def text(self) -> str:
-        """A paragraph for each track, the most severe first."""
-        tracks = self.by_severity()
-        notes = dict.fromkeys(track.timeline.note for track in tracks)
-        parts = [*self.warnings, *(track.findings for track in tracks), *notes]
-        return "\n\n".join(part for part in parts if part)
-
-    def by_severity(self) -> tuple[TrackDiagnosis, ...]:
-        """The tracks, the most severe verdict first."""
-        return tuple(sorted(self.values(), key=lambda track: VERDICTS.index(track.verdict)))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything as dictionaries, lists, strings and numbers."""
-        tracks = {name: track.to_dict() for name, track in self.items()}
-        return {"warnings": list(self.warnings), "tracks": tracks}
-
-    def __repr__(self) -> str:
-        """The verdict of each track."""
-        verdicts = ", ".join(f"{name!r}: {track.verdict!r}" for name, track in self.items())
-        return f"Diagnosis({{{verdicts}}})"
-
-    def __str__(self) -> str:
-        """The paragraphs."""
-        return self.text
+    support = _deprecated.attribute("num_direct_updates")
+    supported = _deprecated.attribute("is_observed")
+    share = _deprecated.attribute("nees_share")
+    nees = _deprecated.attribute("shapley_nees")
+    marginal = _deprecated.attribute("marginal_nees")
+    unique = _deprecated.attribute("conditional_nees")

@@ -1,74 +1,169 @@
-"""From a sequence of chi-square values to stretches of one scale, each high, low or consistent.
+"""From a sequence of chi-square values to segments of one scale, each tested against scale 1.
 
 One likelihood serves everything: c_k = s chi2(m_k), s > 1 optimistic and s < 1 pessimistic. All
-sequences of a log are judged together, stage by stage, so that special functions meet whole arrays.
+sequences of a log go through each step together, so that special functions meet whole arrays:
+
+1. outliers are removed (NIS only);
+2. dynamic programming finds the best partitions, a simulated penalty selects the number of cuts;
+3. every segment is tested (exact chi-square, Holm over the segments of a sequence);
+4. the first and the last few values have tests of their own, and a CUSUM runs over all values.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 
 from trackmetrics import _backend, _distributions
 from trackmetrics.consistency.correlation_time import correlation_times
-from trackmetrics.diagnostics.live import first_alarms
-from trackmetrics.diagnostics.outliers import set_aside
-from trackmetrics.diagnostics.penalty import deserved
-from trackmetrics.diagnostics.trace import (
-    LEAST_SEGMENT,
-    MATERIAL,
-    MOST_SEGMENTS,
-    Candidates,
-    Stretch,
-    Trace,
+from trackmetrics.diagnostics.cusum import Alarm, first_alarms
+from trackmetrics.diagnostics.end_tests import EndTests, end_tests
+from trackmetrics.diagnostics.outliers import (
+    NO_OUTLIERS,
+    OutlierResult,
+    find_outliers,
+    inliers,
+    with_segments,
 )
+from trackmetrics.diagnostics.penalty import select_num_changes
+from trackmetrics.diagnostics.results import Segment
+from trackmetrics.diagnostics.thresholds import (
+    MAX_SEGMENTS,
+    MIN_CORRELATION_TIME,
+    MIN_SCALE_RATIO,
+    MIN_SEGMENT_UPDATES,
+    MIN_UPDATES_FOR_CORRELATION_TIME,
+)
+from trackmetrics.diagnostics.trace import Pair, Partitions, Trace
 from trackmetrics.logs.columns import Floats, Integers
 
-Pair = tuple[Floats, Floats]
-"""Values and their degrees of freedom."""
-CORRELATED = 1.3
-"""Correlation time above which cuts cost more."""
-LEAST_CORRELATED = 20
-"""Updates from which on a correlation time can be told."""
+
+@dataclass(frozen=True, eq=False)
+class SegmentedTrace:
+    """A trace with its outliers, its segments and the tests of its ends."""
+
+    trace: Trace
+    inliers: Integers
+    """Positions in the trace of the values that are not removed."""
+    outliers: OutlierResult = NO_OUTLIERS
+    edges: tuple[int, ...] = ()
+    """Edges of the segments, counted in inliers."""
+    segments: tuple[Segment, ...] = ()
+    ends: EndTests = field(default_factory=EndTests)
+    alarm: Alarm | None = None
+    """The first alarm of a CUSUM, counted in all values of the trace."""
+
+    @property
+    def pair(self) -> Pair:
+        """Values and degrees of freedom of the inliers."""
+        if not self.outliers.removed:
+            return self.trace.pair
+        return self.trace.values[self.inliers], self.trace.dof[self.inliers]
+
+    @property
+    def lengths(self) -> list[int]:
+        """How many inliers each segment has."""
+        return [stop - start for start, stop in pairwise(self.edges)]
+
+    @property
+    def rows(self) -> Integers:
+        """The updates of the inliers."""
+        return self.trace.rows[self.inliers] if self.outliers.removed else self.trace.rows
+
+    def settled(self) -> int | None:
+        """The longest segment that is not optimistic, else the longest; the first of equals."""
+        if len(self.segments) < 2:
+            return 0 if self.segments else None
+        every, lengths = range(len(self.segments)), self.lengths
+        calm = [i for i in every if self.segments[i].label != "optimistic"] or every
+        return max(calm, key=lengths.__getitem__)
+
+    def settled_rows(self) -> Integers:
+        """The updates of that segment without outliers; all without segments."""
+        settled = self.settled()
+        if settled is None:
+            return self.rows
+        return self.rows[self.edges[settled] : self.edges[settled + 1]]
+
+    def sums(self) -> tuple[float, float]:
+        """The sum of the inliers and of their degrees of freedom."""
+        values, dof = self.pair
+        return float(values.sum()), float(dof.sum())
 
 
-def cut(traces: Sequence[Trace], level: float) -> None:
-    """Sets outliers aside, cuts every one where its scale changes, and tests the pieces."""
-    enough = [s for s in traces if s.sufficient]
-    for trace in enough:
-        trace.kept = np.arange(len(trace.values))
-    set_aside([s for s in enough if s.spikes], level)
-    pairs = [s.kept_values() for s in enough]
-    edges = _all_edges(enough, pairs, level)
-    for trace, stretches in zip(enough, _tested(pairs, edges, level), strict=True):
-        trace.stretches = stretches
-    _drop_spikes([s for s in enough if s.spikes])
-    _test_ends(enough, pairs, level)
-    for trace, alarm in zip(enough, first_alarms([(t.values, t.dof) for t in enough]), strict=True):
-        trace.alarm = alarm
+def segment_traces(traces: Sequence[Trace], alpha: float) -> list[SegmentedTrace]:
+    """Every trace with its segments; one that is insufficient has none."""
+    enough = [t.is_sufficient for t in traces]
+    found = iter(_segmented([t for t, e in zip(traces, enough, strict=True) if e], alpha))
+    return [
+        next(found) if e else SegmentedTrace(t, np.arange(len(t.values)))
+        for t, e in zip(traces, enough, strict=True)
+    ]
 
 
-def _all_edges(traces: Sequence[Trace], pairs: Sequence[Pair], level: float) -> list[list[int]]:
-    """Where each trace is cut; those that come with candidates are not searched again.
+def _segmented(traces: Sequence[Trace], alpha: float) -> list[SegmentedTrace]:
+    outliers = _outliers(traces, alpha)
+    bare = [
+        SegmentedTrace(t, inliers(t, o), outliers=o) for t, o in zip(traces, outliers, strict=True)
+    ]
+    pairs = [s.pair for s in bare]
+    edges = _all_edges(traces, pairs, alpha)
+    columns = zip(
+        bare,
+        edges,
+        _tested(bare, edges, alpha),
+        end_tests(pairs, alpha),
+        first_alarms([t.pair for t in traces]),
+        strict=True,
+    )
+    return [_complete(*column, alpha) for column in columns]
+
+
+def _outliers(traces: Sequence[Trace], alpha: float) -> list[OutlierResult]:
+    found = iter(find_outliers([t for t in traces if t.is_nis], alpha))
+    return [next(found) if t.is_nis else NO_OUTLIERS for t in traces]
+
+
+def _complete(
+    bare: SegmentedTrace,
+    edges: list[int],
+    segments: tuple[Segment, ...],
+    ends: EndTests,
+    alarm: Alarm | None,
+    alpha: float,
+) -> SegmentedTrace:
+    trace, outliers = bare.trace, bare.outliers
+    if trace.is_nis:
+        outliers = with_segments(outliers, trace, edges, segments, alpha)
+        for i in outliers.spike_segments:
+            calm = _with_spike(segments[i])
+            segments = (*segments[:i], calm, *segments[i + 1 :])
+    return SegmentedTrace(trace, bare.inliers, outliers, tuple(edges), segments, ends, alarm)
+
+
+def _all_edges(traces: Sequence[Trace], pairs: Sequence[Pair], alpha: float) -> list[list[int]]:
+    """The edges of the segments of each trace; known partitions are not searched again.
 
     The penalty of NIS is raised by the correlation time of the normal scores within the longest
-    stretch found first, where that is material.
+    segment found first, where that is material.
     """
-    new = iter(candidates([p for t, p in zip(traces, pairs, strict=True) if t.found is None]))
-    found = [trace.found or next(new) for trace in traces]
-    cuts = edges(pairs, found, level)
-    doubtful = [i for i, t in enumerate(traces) if t.spikes and _is_doubtful(cuts[i])]
-    # Of the longest stretch: what a fault does to later values is no property of the data.
-    longest = [_longest(pairs[i], cuts[i]) for i in doubtful]
-    times = correlation_times(scores_within(longest, [[0, len(v)] for v, _ in longest]))
-    for i, time in zip(doubtful, times, strict=True):
-        if time > CORRELATED:
-            cuts[i] = _edges(pairs[i], found[i], level, float(time))
-    return cuts
+    unknown = [p for t, p in zip(traces, pairs, strict=True) if t.partitions is None]
+    new = iter(best_partitions(unknown))
+    best = [trace.partitions or next(new) for trace in traces]
+    edges = select_edges(pairs, best, alpha)
+    cut = [i for i, t in enumerate(traces) if t.is_nis and _may_be_correlated(edges[i])]
+    # Of the longest segment: how a fault correlates later values is no property of the data.
+    longest = [_longest(pairs[i], edges[i]) for i in cut]
+    times = correlation_times(z_scores_within_segments(longest, [[0, len(v)] for v, _ in longest]))
+    for i, time in zip(cut, times, strict=True):
+        if time > MIN_CORRELATION_TIME:
+            edges[i] = _selected(pairs[i], best[i], alpha, float(time))
+    return edges
 
 
-def _is_doubtful(edges: Sequence[int]) -> bool:
-    return len(edges) > 2 and edges[-1] >= LEAST_CORRELATED
+def _may_be_correlated(edges: Sequence[int]) -> bool:
+    return len(edges) > 2 and edges[-1] >= MIN_UPDATES_FOR_CORRELATION_TIME
 
 
 def _longest(pair: Pair, edges: Sequence[int]) -> Pair:
@@ -76,38 +171,40 @@ def _longest(pair: Pair, edges: Sequence[int]) -> Pair:
     return pair[0][a:b], pair[1][a:b]
 
 
-def candidates(pairs: Sequence[Pair]) -> list[Candidates]:
-    """The best partitions of every sequence, in one go."""
+def best_partitions(pairs: Sequence[Pair]) -> list[Partitions]:
+    """The best partitions of every sequence into 1 to 4 segments, all in one call."""
     if not pairs:
         return []
     starts = np.concatenate([[0], np.cumsum([len(values) for values, _ in pairs])])
     values, dof = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
     gains, cuts = _backend.kernels.scale_partitions(
-        values, dof, starts.astype(np.int64), LEAST_SEGMENT, MOST_SEGMENTS
+        values, dof, starts.astype(np.int64), MIN_SEGMENT_UPDATES, MAX_SEGMENTS
     )
-    return [Candidates(g, c) for g, c in zip(gains, cuts, strict=True)]
+    return [Partitions(g, c) for g, c in zip(gains, cuts, strict=True)]
 
 
-def edges(pairs: Sequence[Pair], found: Sequence[Candidates], level: float) -> list[list[int]]:
-    """Where each sequence is cut: the edges of its stretches."""
-    return [_edges(pair, best, level) for pair, best in zip(pairs, found, strict=True)]
+def select_edges(
+    pairs: Sequence[Pair], best: Sequence[Partitions], alpha: float
+) -> list[list[int]]:
+    """The edges of the segments of each sequence, their number selected by the penalty."""
+    return [_selected(pair, found, alpha) for pair, found in zip(pairs, best, strict=True)]
 
 
-def _edges(pair: Pair, found: Candidates, level: float, factor: float = 1.0) -> list[int]:
-    """Those of one sequence, each cut of which costs its penalty times ``factor``."""
+def _selected(pair: Pair, best: Partitions, alpha: float, factor: float = 1.0) -> list[int]:
+    """Those of one sequence, each change point of which costs its penalty times ``factor``."""
     n = len(pair[0])
     count = 0
-    if n >= 2 * LEAST_SEGMENT:
-        count = deserved(found.gains, pair[1], LEAST_SEGMENT, level, factor)
-    return found.edges(count, n)
+    if n >= 2 * MIN_SEGMENT_UPDATES:
+        count = select_num_changes(best.gains, pair[1], MIN_SEGMENT_UPDATES, alpha, factor)
+    return best.edges(count, n)
 
 
-def scores_within(pairs: Sequence[Pair], edges: Sequence[Sequence[int]]) -> list[Floats]:
-    """Nearly normal scores of the values of each sequence under the scales of their stretches."""
-    return [_scores(v, d, places) for (v, d), places in zip(pairs, edges, strict=True)]
+def z_scores_within_segments(pairs: Sequence[Pair], edges: Sequence[Sequence[int]]) -> list[Floats]:
+    """Nearly normal scores of the values of each sequence under the scales of their segments."""
+    return [_z_scores(v, d, places) for (v, d), places in zip(pairs, edges, strict=True)]
 
 
-def _scores(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
+def _z_scores(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
     sums, dofs = (np.add.reduceat(column, edges[:-1]) for column in (values, dof))
     scales = np.maximum(sums / dofs, 1e-300)
     spread = scales[0] if len(scales) == 1 else np.repeat(scales, np.diff(edges))
@@ -115,128 +212,101 @@ def _scores(values: Floats, dof: Floats, edges: Sequence[int]) -> Floats:
 
 
 def _tested(
-    pairs: Sequence[Pair], edges: Sequence[Sequence[int]], level: float
-) -> list[tuple[Stretch, ...]]:
-    """The stretches with their scales, intervals and corrected p-values."""
+    traces: Sequence[SegmentedTrace], edges: Sequence[Sequence[int]], alpha: float
+) -> list[tuple[Segment, ...]]:
+    """The segments with their scales, intervals and corrected p-values."""
     sums, dofs = [], []
-    for (values, dof), places in zip(pairs, edges, strict=True):
+    for trace, places in zip(traces, edges, strict=True):
+        values, dof = trace.pair
         sums += np.add.reduceat(values, places[:-1]).tolist()
         dofs += np.add.reduceat(dof, places[:-1]).tolist()
-    n, m = np.array(sums), np.array(dofs)
-    p = _distributions.chi2_p_value(n, m)
-    low, high = (
-        n / _distributions.chi2_quantile(0.975, m),
-        n / _distributions.chi2_quantile(0.025, m),
-    )
+    p, low, high = _scale_tests(np.array(sums), np.array(dofs))
     found, at = [], 0
-    for places in edges:
-        count = len(places) - 1
-        corrected = p[at : at + 1] if count == 1 else _distributions.holm(p[at : at + count])
-        found.append(
-            tuple(
-                _stretch(
-                    places[i],
-                    places[i + 1],
-                    sums[at + i],
-                    dofs[at + i],
-                    (float(low[at + i]), float(high[at + i])),
-                    float(corrected[i]),
-                    level,
-                )
-                for i in range(count)
-            )
+    for trace, places in zip(traces, edges, strict=True):
+        part = slice(at, at := at + len(places) - 1)
+        corrected = p[part] if len(places) == 2 else _distributions.holm(p[part])
+        intervals = zip(low[part].tolist(), high[part].tolist(), strict=True)
+        rows = zip(
+            pairwise(places), sums[part], dofs[part], intervals, corrected.tolist(), strict=True
         )
-        at += count
+        found.append(tuple(_segment(trace, *row, alpha) for row in rows))
     return found
 
 
-def _stretch(
-    start: int,
-    stop: int,
+def _scale_tests(sums: Floats, dofs: Floats) -> tuple[Floats, Floats, Floats]:
+    """Two-sided p-values of "the scale is 1", and the 95 % intervals of the scales."""
+    p: Floats = _distributions.chi2_p_value(sums, dofs)
+    low: Floats = sums / _distributions.chi2_quantile(0.975, dofs)
+    high: Floats = sums / _distributions.chi2_quantile(0.025, dofs)
+    return p, low, high
+
+
+def _segment(
+    trace: SegmentedTrace,
+    edge: tuple[int, int],
     total: float,
     dof: float,
     interval: tuple[float, float],
     p_value: float,
-    level: float,
-) -> Stretch:
-    scale, label = total / dof, "consistent"
-    if p_value < level and scale > MATERIAL:
-        label = "high"
-    elif p_value < level and scale < 1 / MATERIAL:
-        label = "low"
-    return Stretch(start, stop, total, dof, scale, interval, p_value, label)
-
-
-def _drop_spikes(traces: Sequence[Trace]) -> None:
-    """A stretch that is high by its largest value alone is not high."""
-    for trace in traces:
-        if any(s.label == "high" for s in trace.stretches):
-            values, dof = trace.kept_values()
-            trace.stretches = tuple(_without_spike(s, values, dof) for s in trace.stretches)
-
-
-def _without_spike(stretch: Stretch, values: Floats, dof: Floats) -> Stretch:
-    if stretch.label != "high" or len(stretch) < 2:
-        return stretch
-    c, m = values[stretch.start : stretch.stop], dof[stretch.start : stretch.stop]
-    largest = int(np.argmax(c / m))
-    rest = _distributions.chi2_sf(stretch.sum - c[largest], stretch.dof - m[largest])
-    if rest <= 0.05:
-        return stretch
-    return Stretch(
-        stretch.start,
-        stretch.stop,
-        stretch.sum,
-        stretch.dof,
-        stretch.scale,
-        stretch.interval,
-        stretch.p_value,
-        "consistent",
-        spike=True,
+    alpha: float,
+) -> Segment:
+    first, last = int(trace.inliers[edge[0]]), int(trace.inliers[edge[1] - 1])
+    rows, times, scale = trace.trace.rows, trace.trace.times, total / dof
+    return Segment(
+        int(rows[first]),
+        int(rows[last]) + 1,
+        float(times[first]),
+        float(times[last]),
+        dof,
+        scale,
+        interval,
+        p_value,
+        _label(scale, p_value, alpha),
     )
 
 
-LONGEST_END = 8
-# The tests of 1 to 8 values share values: at a level of 0.005 they are worth no more than 3.3
-# independent ones for 10 to 300 updates of 1 to 4 degrees of freedom (simulated), say 4.
-TESTS = 4.0
+def _label(scale: float, p_value: float, alpha: float) -> str:
+    if p_value < alpha and scale > MIN_SCALE_RATIO:
+        return "optimistic"
+    if p_value < alpha and scale < 1 / MIN_SCALE_RATIO:
+        return "pessimistic"
+    return "consistent"
 
 
-def _test_ends(traces: Sequence[Trace], pairs: Sequence[Pair], level: float) -> None:
-    """Is the beginning, or the end, too large against the rest and against chi-square itself?
+def _with_spike(segment: Segment) -> Segment:
+    return replace(segment, label="consistent", has_spike=True)
 
-    Both an F test and a chi-square test of the first (last) 1 to 8 values, corrected for their
-    effective number: a cut needs two values and a strong gain, an end may show in fewer.
+
+def cut_end(segmented: SegmentedTrace, at_start: bool, alpha: float) -> SegmentedTrace:
+    """The same with the beginning, or the end, that its own test found as a segment.
+
+    Segments that it covers are gone; one that it covers in part is tested again without it, with a
+    p-value corrected (Bonferroni) for the number of segments.
     """
-    if not traces:
-        return
-    for reverse in (False, True):
-        p_values, lengths = _end_tests(pairs, level, reverse)
-        for trace, p, length in zip(traces, p_values, lengths, strict=True):
-            if reverse:
-                trace.end_p, trace.end_length = float(p), int(length)
-            else:
-                trace.start_p, trace.start_length = float(p), int(length)
+    ends, n = segmented.ends, segmented.edges[-1]
+    cut = ends.start_length if at_start else n - ends.end_length
+    p_end = ends.start_p if at_start else ends.end_p
+    outside = [e for e in segmented.edges if (e > cut if at_start else e < cut)]
+    edges = [0, cut, *outside] if at_start else [*outside, cut, n]
+    index = 0 if at_start else len(edges) - 2
+    known = dict(zip(pairwise(segmented.edges), segmented.segments, strict=True))
+    segments = []
+    for i, edge in enumerate(pairwise(edges)):
+        kept = None if i == index else known.get(edge)
+        segments.append(kept or _segment_of(segmented, edge, len(edges) - 1, alpha))
+        # The rest of a segment was not too large with the end: it can only be so by a spike.
+        if i != index and segments[-1].label == "optimistic" and segmented.outliers.spike_segments:
+            segments[-1] = _with_spike(segments[-1])
+    segments[index] = replace(segments[index], p_value=p_end, label="optimistic", has_spike=False)
+    outliers = segmented.outliers.without_spikes_in(segments[index])
+    return replace(segmented, edges=tuple(edges), segments=tuple(segments), outliers=outliers)
 
 
-def _end_tests(pairs: Sequence[Pair], level: float, reverse: bool) -> tuple[Floats, Integers]:
-    """P-values of the ends of all traces, and the lengths that they are of."""
-    lengths = np.array([len(values) for values, _ in pairs])
-    starts = np.cumsum(lengths) - lengths
-    most = np.minimum(LONGEST_END, np.maximum(1, lengths // 3))
-    steps = np.minimum(np.arange(LONGEST_END), most[:, None] - 1)
-    rows = starts[:, None] + (lengths[:, None] - 1 - steps if reverse else steps)
-    values, dofs = (np.concatenate(column) for column in zip(*pairs, strict=True))
-    n, m = np.cumsum(values[rows], axis=1), np.cumsum(dofs[rows], axis=1)
-    total, dof = (np.add.reduceat(column, starts)[:, None] for column in (values, dofs))
-    used = np.arange(LONGEST_END) < most[:, None]
-    n, m = np.where(used, n, n[:, :1]), np.where(used, m, m[:, :1])
-    rest = np.maximum(total - n, 1e-300) / (dof - m)
-    p = np.where(used, _distributions.chi2_sf(n, m), 2.0)
-    # The F test can only raise what is small enough to matter.
-    small = p < level
-    tails = _distributions.f_sf((n / m / rest)[small], m[small], (dof - m)[small])
-    p[small] = np.maximum(p[small], tails)
-    best = np.argmin(p, axis=1)
-    corrected = p[np.arange(len(pairs)), best] * np.minimum(most, TESTS)
-    return np.minimum(1.0, corrected), best + 1
+def _segment_of(
+    segmented: SegmentedTrace, edge: tuple[int, int], count: int, alpha: float
+) -> Segment:
+    values, dof = (column[edge[0] : edge[1]].sum(keepdims=True) for column in segmented.pair)
+    p, low, high = _scale_tests(values, dof)
+    interval = float(low[0]), float(high[0])
+    corrected = min(1.0, count * float(p[0]))
+    return _segment(segmented, edge, float(values[0]), float(dof[0]), interval, corrected, alpha)

@@ -1,4 +1,4 @@
-"""Times in words: since the start of the log, whose own moment is said once."""
+"""Times as text, counted from the start of the log."""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -10,7 +10,7 @@ _FROM, _TO = (datetime(year, 1, 1, tzinfo=UTC).timestamp() for year in (1990, 21
 
 @dataclass(frozen=True)
 class Timeline:
-    """The times of a log in words."""
+    """The times of a log as text."""
 
     start: float
     """Time of the first update of any track."""
@@ -18,35 +18,35 @@ class Timeline:
     """Unit of the times."""
 
     def at(self, time: float) -> str:
-        """A moment, since the start of the log."""
-        return self.lasting(time - self.start)
+        """A time with its unit, counted from the start of the log."""
+        return self.duration(time - self.start)
 
-    def count(self, time: float) -> str:
+    def value(self, time: float) -> str:
         """The same without its unit."""
         return _digits(time - self.start)
 
-    def lasting(self, span: float) -> str:
-        """How long."""
+    def duration(self, span: float) -> str:
+        """A duration with its unit."""
         return f"{_digits(span)} {self.unit}".strip()
 
     @property
-    def moment(self) -> str | None:
-        """When the log starts, in UTC, where its times look like those of the Unix epoch."""
+    def start_utc(self) -> str | None:
+        """The start of the log in UTC, if its times look like Unix time; else None."""
         seconds = self.start / _PER_SECOND.get(self.unit, float("inf"))
         if not _FROM <= seconds < _TO:
             return None
         return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M:%S} UTC"
 
     @property
-    def note(self) -> str:
-        """From when the times in words count; nothing to say where the log starts at 0."""
+    def origin_note(self) -> str:
+        """A sentence that says from when times count; empty if the log starts at 0."""
         if self.start == 0:
             return ""
-        moment = self.moment or f"at {self.lasting(self.start)}"
-        return f"Times count from the start of the log, {moment}."
+        start = self.start_utc or f"at {self.duration(self.start)}"
+        return f"Times count from the start of the log, {start}."
 
 
 def _digits(time: float) -> str:
-    # Differences of times since 1970 have digits that nobody measured.
+    # Differences of Unix times have digits that are rounding errors.
     rounded = round(time, 3) if abs(time) >= 1 else float(f"{time:.3g}")
     return f"{rounded:.0f}" if rounded.is_integer() else f"{rounded:.10g}"

@@ -1,87 +1,60 @@
-"""A sequence of chi-square values, and what became of it: outliers, stretches, tested ends."""
+"""A sequence of chi-square values: the NIS of a track, or its NEES."""
 
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
+from trackmetrics.diagnostics.thresholds import MIN_DOF_TO_JUDGE, MIN_UPDATES_TO_JUDGE
 from trackmetrics.logs.columns import Floats, Integers
 
-LEAST_UPDATES = 4
-LEAST_DOF = 8.0
-LEAST_SEGMENT = 2
-MOST_SEGMENTS = 4
-MATERIAL = 1.25
-"""A scale within this factor of 1 is no fault, however certain."""
+Pair = tuple[Floats, Floats]
+"""Values and their degrees of freedom."""
 
 
-@dataclass(frozen=True)
-class Candidates:
-    """The best partitions of one sequence, by number of cuts."""
+@dataclass(frozen=True, eq=False)
+class Partitions:
+    """The best partitions of a sequence into segments, by number of change points."""
 
     gains: Floats
     cuts: Integers
 
     def edges(self, count: int, length: int) -> list[int]:
-        """The edges of its stretches, from 0 to its length."""
+        """The edges of the segments with ``count`` change points, from 0 to ``length``."""
         return [0, *self.cuts[count, :count].tolist(), length]
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """Updates ``start:stop`` with their sum, degrees of freedom and what follows."""
-
-    start: int
-    stop: int
-    sum: float
-    dof: float
-    scale: float
-    interval: tuple[float, float]
-    p_value: float
-    label: str
-    spike: bool = False
-    """High by one value alone, and therefore called consistent."""
-
-    def __len__(self) -> int:
-        """How many updates."""
-        return self.stop - self.start
-
-
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Trace:
-    """A sequence of chi-square values, and what became of it."""
+    """A sequence of chi-square values."""
 
     values: Floats
+    """Values, divided by their autocorrelation time."""
     dof: Floats
-    spikes: bool
-    """Whether these are NIS: single large values may be outliers, and what correlates in time is
-    not yet accounted for. Values of NEES come divided by their autocorrelation time."""
-    least_tail: float = 1.0
-    """The smallest chance of any value under a scale of 1; 1 if none is small."""
-    kept: Integers = field(default_factory=lambda: np.empty(0, np.int64))
-    """The values that are not set aside."""
-    outliers: tuple[int, ...] = ()
-    """The values that are."""
-    stretches: tuple[Stretch, ...] = ()
-    """The kept values, cut where the scale changes; indices count kept values."""
-    start_p: float = 1.0
-    """P-value of "the beginning is not too large", and its length."""
-    start_length: int = 0
-    end_p: float = 1.0
-    """The same of the end."""
-    end_length: int = 0
-    alarm: tuple[int, int] | None = None
-    """Where an online monitor would have called, and where the rise began."""
-    found: Candidates | None = None
-    """Its partitions, where they are known."""
+    """Degrees of freedom, divided by the same."""
+    rows: Integers
+    """The update of each value."""
+    times: Floats
+    """The time of each value."""
+    is_nis: bool
+    """Whether these are NIS: only NIS have outliers, and a correlation not yet accounted for."""
+    autocorrelation_time: float = 1.0
+    """The median of the autocorrelation times."""
+    partitions: Partitions | None = None
+    """Its best partitions, where they are known already."""
 
-    @cached_property
-    def sufficient(self) -> bool:
-        """Whether there is enough to judge."""
-        return len(self.values) >= LEAST_UPDATES and float(self.dof.sum()) >= LEAST_DOF
+    @property
+    def is_sufficient(self) -> bool:
+        """Whether there are enough values to judge."""
+        n = len(self.values)
+        return n >= MIN_UPDATES_TO_JUDGE and float(self.dof.sum()) >= MIN_DOF_TO_JUDGE
 
-    def kept_values(self) -> tuple[Floats, Floats]:
-        """Values and degrees of freedom without outliers."""
-        if len(self.kept) == len(self.values):
-            return self.values, self.dof
-        return self.values[self.kept], self.dof[self.kept]
+    @property
+    def pair(self) -> Pair:
+        """Values and degrees of freedom."""
+        return self.values, self.dof
+
+
+def no_trace() -> Trace:
+    """The trace of a quantity that the log does not have."""
+    empty = np.empty(0)
+    return Trace(empty, empty, np.empty(0, np.int64), empty, is_nis=True)

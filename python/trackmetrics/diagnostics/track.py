@@ -1,324 +1,193 @@
-"""The record of one track, from its judged quantities."""
+"""The diagnosis of a track, and that of all tracks of a log."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-
-from trackmetrics import _distributions
-from trackmetrics.diagnostics import text as words
-from trackmetrics.diagnostics.angles import Unwrapped
-from trackmetrics.diagnostics.bias import StateOffset
-from trackmetrics.diagnostics.innovations import Offset
-from trackmetrics.diagnostics.judging import (
-    InnovationFindings,
-    Quantity,
-    judge_errors,
-    judge_innovations,
-    reconciled,
-)
-from trackmetrics.diagnostics.outliers import LEAST_UPDATES, is_suspicious, robust_scale
-from trackmetrics.diagnostics.records import (
+from trackmetrics import _deprecated
+from trackmetrics.diagnostics import text
+from trackmetrics.diagnostics.cause import CAUSE_VERDICTS
+from trackmetrics.diagnostics.results import (
     VERDICTS,
     Bias,
+    InnovationCorrelation,
     Outlier,
     QuantityVerdict,
-    Segment,
     StateDiagnosis,
-    Whiteness,
-)
-from trackmetrics.diagnostics.results import TrackDiagnosis
-from trackmetrics.diagnostics.states import (
-    Attribution,
-    attribute,
-    observed_states,
-    state_records,
-    weakest,
 )
 from trackmetrics.diagnostics.timeline import Timeline
-from trackmetrics.diagnostics.trace import Stretch
-from trackmetrics.logs.columns import Columns, Floats, components, incomplete
-from trackmetrics.logs.log import EstimatorLog
-
-FAILING = VERDICTS[: VERDICTS.index("transient") + 1]
-"""Verdicts that say that an error is larger than claimed."""
+from trackmetrics.results import Result
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """What there is to say about one track."""
+class TrackDiagnosis(Result):
+    """The diagnosis of one track."""
 
-    log: EstimatorLog
-    index: int
-    columns: Columns
-    innovations: Floats | None
-    """Innovations, wrapped."""
-    nis: Quantity
-    nees: Quantity | None
-    angles: Unwrapped | None
-    """None where no innovation of the log is beyond half a period."""
-    warnings: tuple[str, ...]
-    level: float
-
-
-def assemble(evidence: Evidence) -> TrackDiagnosis:
-    """The record of a track."""
-    columns, level = evidence.columns, evidence.level
-    nis, found = judge_innovations(evidence.nis, columns, evidence.innovations, level)
-    if evidence.angles is not None and evidence.angles.proven.any():
-        nis = nis.called("angle_wrap_bug")
-    nees = evidence.nees
-    errors: tuple[StateOffset, ...] = ()
-    if nees is not None:
-        nees, errors = judge_errors(nees, columns, level)
-        nis, nees = reconciled(nis, nees, errors)
-    verdict = combined(nis.word.verdict, None if nees is None else nees.word.verdict)
-    biases = _innovation_biases(evidence, found.offsets) + _state_biases(evidence.log, errors)
-    attribution = None if nees is None else _attribution(nees, columns)
-    states = state_records(columns, evidence.log.states, _onset(nis, nees), attribution)
-    log, (gap, gap_time) = evidence.log, _longest_gap(columns.time)
-    return TrackDiagnosis(
-        track=log.tracks[evidence.index],
-        verdict=verdict,
-        nis=quantity_verdict("nis", nis, columns),
-        nees=None if nees is None else quantity_verdict("nees", nees, columns),
-        cause=found.cause if verdict in words.SCALED else None,
-        weakest_state=_weakest(verdict, nees, states, biases),
-        states=states,
-        biases=biases,
-        whiteness=_whiteness(found),
-        outliers=_outliers(nis, columns, level),
-        updates=len(columns),
-        tentative=len(columns) - len(evidence.nis.rows),
-        repeated=log.repeated[evidence.index],
-        start_time=float(columns.time[0]),
-        stop_time=float(columns.time[-1]),
-        longest_gap=gap,
-        longest_gap_time=gap_time,
-        observed=_observed(columns, log.state_names),
-        notes=_notes(evidence),
-        time_unit=log.time_unit,
-        log_start=log.start_time,
-    )
-
-
-def _longest_gap(time: Floats) -> tuple[float, float | None]:
-    """The longest time between two updates, and when it begins."""
-    gaps = time[1:] - time[:-1]
-    if not len(gaps):
-        return float("nan"), None
-    longest = int(gaps.argmax())
-    return float(gaps[longest]), float(time[longest])
-
-
-def combined(nis: str, nees: str | None) -> str:
-    """The more severe verdict; after a bad start the worse of what follows."""
-    if nees is None:
-        return nis
-    if nis == "insufficient" or nees == "insufficient":
-        return nees if nis == "insufficient" else nis
-    verdict = min(nis, nees, key=VERDICTS.index)
-    if verdict == "startup_then_consistent" and any("pessimistic" in v for v in (nis, nees)):
-        return "startup_then_pessimistic"
-    return verdict
-
-
-def quantity_verdict(name: str, quantity: Quantity, columns: Columns) -> QuantityVerdict:
-    """The public record of a judged quantity."""
-    trace, rows, time = quantity.trace, quantity.rows, columns.time
-    settled = quantity.settled()
-    alarm = trace.alarm
-    nan = float("nan")
-
-    def row(k: int | None) -> int | None:
-        return None if k is None else int(rows[k])
-
-    def at(k: int | None) -> float | None:
-        return None if k is None else float(time[rows[k]])
-
-    word = quantity.word
-    return QuantityVerdict(
-        quantity=name,
-        verdict=word.verdict,
-        updates=len(rows),
-        segments=tuple(_segment(s, quantity, time) for s in trace.stretches),
-        scale=nan if settled is None else settled.scale,
-        interval=(nan, nan) if settled is None else settled.interval,
-        onset_index=row(word.onset),
-        onset_time=at(word.onset),
-        settle_index=row(word.settle),
-        settle_time=at(word.settle),
-        alarm_index=row(alarm[0] if alarm else None),
-        alarm_time=at(alarm[0] if alarm else None),
-        alarm_onset_time=at(alarm[1] if alarm else None),
-        inflation=quantity.inflation,
-    )
-
-
-def _segment(stretch: Stretch, quantity: Quantity, time: Floats) -> Segment:
-    first = int(quantity.rows[quantity.trace.kept[stretch.start]])
-    last = int(quantity.rows[quantity.trace.kept[stretch.stop - 1]])
-    return Segment(
-        start=first,
-        stop=last + 1,
-        start_time=float(time[first]),
-        stop_time=float(time[last]),
-        dof=stretch.dof,
-        scale=stretch.scale,
-        interval=stretch.interval,
-        p_value=stretch.p_value,
-        label=stretch.label,
-    )
-
-
-def _observed(columns: Columns, names: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    track: str
+    """Its name."""
+    verdict: str
+    """The more severe of the verdicts of NIS and NEES; one of :data:`VERDICTS`."""
+    nis: QuantityVerdict
+    """The verdict of the NIS (``"insufficient"`` without one)."""
+    nees: QuantityVerdict | None
+    """The verdict of the NEES; None without truth."""
+    cause: str | None
+    """``"process noise too small"``, ``"measurement noise too small"``, ``"process noise too
+    large"`` or ``"measurement noise too large"`` if the innovations show it, else None."""
+    weakest_state: str | None
+    """The state that fails first or most; None if none fails or it cannot be determined."""
+    states: tuple[StateDiagnosis, ...]
+    """Every state, in the order of the log; empty where the log has no states."""
+    biases: tuple[Bias, ...]
+    """Significant biases of innovations and of states (estimate minus truth)."""
+    whiteness: InnovationCorrelation | None
+    """Correlation of the innovations in the settled part; None without them."""
+    outliers: tuple[Outlier, ...]
+    """Isolated NIS that are far too large, whatever the verdict."""
+    updates: int
+    """How many updates the track has, without repeated rows."""
+    updates_without_nis: int
+    """How many of them carry no NIS."""
+    repeated: int
+    """How many repeated rows were dropped."""
+    start_time: float
+    """Time of the first update."""
+    stop_time: float
+    """Time of the last update."""
+    longest_gap: float
+    """Longest time between two updates (NaN with one)."""
+    longest_gap_time: float | None
+    """Time at which that gap begins."""
+    observed: Mapping[str, tuple[str, ...]]
     """The states that each measurement type observes."""
-    mask = observed_states(columns, len(names))
-    if mask is None or columns.measurement_type is None:
-        return {}
-    seen: dict[str, tuple[str, ...]] = {}
-    for kind in dict.fromkeys(columns.measurement_type):
-        if kind is not None:
-            states = mask[columns.measurement_type == kind].any(axis=0)
-            seen[kind] = tuple(names[i] for i in np.flatnonzero(states))
-    return seen
+    notes: tuple[str, ...]
+    """Suspicions and remarks that do not change the verdict."""
+    time_unit: str = "s"
+    """Unit of all times."""
+    log_start: float = 0.0
+    """Time of the first update of any track of the log."""
 
+    tentative = _deprecated.attribute("updates_without_nis")
 
-def _onset(nis: Quantity, nees: Quantity | None) -> int | None:
-    """The update at which the fault begins, of the quantity that says so first."""
-    found = [int(q.rows[q.word.onset]) for q in (nis, nees) if q and q.word.onset is not None]
-    return min(found, default=None)
+    @property
+    def onset_time(self) -> float | None:
+        """Time at which the fault begins, by the quantity that shows it first; None without one."""
+        return self._first("onset_time")
 
+    @property
+    def settling_time(self) -> float | None:
+        """Time at which a bad start is over, by both quantities; None without one."""
+        found = [q.settling_time for q in self._quantities() if q.settling_time is not None]
+        return max(found, default=None)
 
-def _attribution(nees: Quantity, columns: Columns) -> Attribution | None:
-    """The split of the NEES over the states in the last stretch that is too high, else in all."""
-    if nees.word.verdict not in FAILING or columns.error is None or columns.P is None:
-        return None
-    stretches = [s for s in nees.trace.stretches if s.label == "high"]
-    kept = nees.rows[nees.trace.kept]
-    rows = kept[stretches[-1].start : stretches[-1].stop] if stretches else kept
-    rows = rows[components(columns.error[rows], columns.P[rows]).any(axis=1)]
-    return attribute(columns.error[rows], columns.P[rows]) if len(rows) else None
+    def _first(self, name: str) -> float | None:
+        found = [getattr(q, name) for q in self._quantities()]
+        return min((time for time in found if time is not None), default=None)
 
+    def _quantities(self) -> list[QuantityVerdict]:
+        return [q for q in (self.nis, self.nees) if q is not None]
 
-def _weakest(
-    verdict: str,
-    nees: Quantity | None,
-    states: tuple[StateDiagnosis, ...],
-    biases: tuple[Bias, ...],
-) -> str | None:
-    """The weakest state of a track that fails; a bias without truth names its component."""
-    if verdict not in FAILING:
-        return None
-    if nees is not None and nees.word.verdict in FAILING:
-        return weakest(states)
-    if verdict.startswith("startup"):
-        return None
-    if verdict == "biased":
-        return max(biases, key=lambda b: abs(b.z)).component if biases else None
-    return weakest(states)
+    @property
+    def timeline(self) -> Timeline:
+        """Times as text."""
+        return Timeline(self.log_start, self.time_unit)
 
+    @property
+    def text(self) -> str:
+        """One paragraph with the findings and their numbers, times from the start of the log."""
+        return " ".join(s for s in (self.findings, self.timeline.origin_note) if s)
 
-def _incomplete(columns: Columns) -> list[str]:
-    """How many vectors lack components that others of their kind have."""
-    found = []
-    for vectors, kinds, what in (
-        (columns.innovation, columns.measurement_type, "innovation"),
-        (columns.error, "state", "error"),
-    ):
-        if vectors is None or not np.isnan(vectors).any():
-            continue
-        lacking = int(incomplete(vectors, kinds).sum())
-        if lacking:
-            some = f"{lacking} {what}s lack" if lacking > 1 else f"1 {what} lacks"
-            found.append(f"{some} components; what is left counts with its degrees of freedom.")
-    return found
+    @property
+    def findings(self) -> str:
+        """The same without the sentence that says from when times count."""
+        return " ".join(s for s in [*self._sentences(), *self.notes] if s)
 
+    def _sentences(self) -> Iterator[str]:
+        timeline = self.timeline
+        yield text.headline(self.track, self.verdict, self.nis, self.nees)
+        yield text.outliers_first(self.outliers, timeline)
+        yield from (text.quantity(q, timeline) for q in self._quantities())
+        if self.verdict in CAUSE_VERDICTS:
+            yield text.advice(self.nees or self.nis)
+        yield text.cause(self.cause)
+        yield from map(text.bias, self.biases)
+        yield text.weakest_state(self.weakest_state, self.states)
+        gap = self.longest_gap, self.longest_gap_time
+        yield text.updates(self.updates, self.updates_without_nis, self.repeated, gap, timeline)
 
-def _innovation_biases(evidence: Evidence, offsets: tuple[Offset, ...]) -> tuple[Bias, ...]:
-    return tuple(
-        Bias("innovation", o.type or None, *_component(evidence, o), o.z, o.p_value)
-        for o in offsets
-    )
+    def to_dict(self) -> dict[str, Any]:
+        """The fields and the paragraph as dictionaries, lists, numbers and strings."""
+        return {**super().to_dict(), "text": self.text}
 
+    @property
+    def consistent(self) -> bool:
+        """Whether the verdict is ``"consistent"``."""
+        return self.verdict == "consistent"
 
-def _component(evidence: Evidence, offset: Offset) -> tuple[str, float, str]:
-    """Name, value and unit of a component: those of the state that it observes."""
-    observed, types = evidence.columns.observed, evidence.columns.measurement_type
-    if observed is not None:
-        rows = np.arange(len(observed)) if types is None else np.flatnonzero(types == offset.type)
-        seen = set(observed[rows, offset.component].tolist()) - {-1}
-        if len(seen) == 1:
-            state = evidence.log.states[seen.pop()]
-            return state.name, offset.value, state.unit
-    return f"z[{offset.component}]", offset.value, ""
-
-
-def _state_biases(log: EstimatorLog, offsets: tuple[StateOffset, ...]) -> tuple[Bias, ...]:
-    return tuple(
-        Bias(
-            "state",
-            None,
-            log.states[o.state].name,
-            o.value,
-            log.states[o.state].unit,
-            o.z,
-            o.p_value,
+    def __repr__(self) -> str:
+        """The verdicts, not every number."""
+        nees = "" if self.nees is None else f", nees={self.nees.verdict!r}"
+        return (
+            f"TrackDiagnosis({self.track!r}, {self.verdict!r}, nis={self.nis.verdict!r}{nees}, "
+            f"updates={self.updates})"
         )
-        for o in offsets
-    )
+
+    def __str__(self) -> str:
+        """The paragraph."""
+        return self.text
 
 
-def _whiteness(found: InnovationFindings) -> Whiteness | None:
-    c = found.correlation
-    return None if c is None else Whiteness(c.lag1, c.z, c.p_value, c.pairs)
+class Diagnosis(Mapping[str, TrackDiagnosis]):
+    """The diagnosis of every track of a log, by name, in the order of the log."""
 
+    def __init__(self, tracks: tuple[TrackDiagnosis, ...], warnings: tuple[str, ...] = ()) -> None:
+        self._tracks = {track.track: track for track in tracks}
+        self.warnings = warnings
+        """Warnings about the log as a whole."""
 
-def _outliers(nis: Quantity, columns: Columns, level: float) -> tuple[Outlier, ...]:
-    """Values set aside; and of a track without a change those that are extreme all the same."""
-    trace = nis.trace
-    if not trace.sufficient:
-        return ()
-    if not trace.outliers and not is_suspicious(trace, level):
-        return ()
-    values, dof = trace.kept_values()
-    scale = robust_scale(values, dof)
-    p_values = np.asarray(_distributions.chi2_sf(trace.values / scale, trace.dof))
-    found = set(trace.outliers)
-    if len(trace.stretches) == 1 and len(values) >= LEAST_UPDATES:
-        found |= set(np.flatnonzero(p_values < level / len(values)).tolist())
-    return tuple(
-        Outlier(
-            int(nis.rows[k]),
-            float(columns.time[nis.rows[k]]),
-            float(trace.values[k]),
-            float(trace.dof[k]),
-            float(p_values[k]),
-        )
-        for k in sorted(found)
-    )
+    def __getitem__(self, track: str) -> TrackDiagnosis:
+        """The diagnosis of the track of this name."""
+        try:
+            return self._tracks[track]
+        except KeyError:
+            known = ", ".join(map(repr, self._tracks))
+            raise KeyError(f"no track {track!r}; the log has {known}") from None
 
+    def __iter__(self) -> Iterator[str]:
+        """The names of the tracks."""
+        return iter(self._tracks)
 
-def _notes(evidence: Evidence) -> tuple[str, ...]:
-    """Suspicions about the log, about angles, and which vectors lack components."""
-    angles = [] if evidence.angles is None else _about_angles(evidence, evidence.angles)
-    return (*evidence.warnings, *_incomplete(evidence.columns), *angles)
+    def __len__(self) -> int:
+        """The number of tracks."""
+        return len(self._tracks)
 
+    @property
+    def consistent(self) -> bool:
+        """Whether the verdict of every track is ``"consistent"``."""
+        return all(track.consistent for track in self.values())
 
-def _about_angles(evidence: Evidence, angles: Unwrapped) -> list[str]:
-    time, notes = evidence.columns.time, []
-    timeline = Timeline(evidence.log.start_time, evidence.log.time_unit)
-    for rows, text in (
-        (angles.proven, "the logged NIS is that of an innovation that was not wrapped"),
-        (
-            angles.harmless,
-            "an innovation is logged unwrapped, but the NIS is that of the wrapped one",
-        ),
-        (
-            angles.suspected,
-            "an innovation exceeds half the period of its angle: probably not wrapped",
-        ),
-    ):
-        if rows.any():
-            count, first = int(rows.sum()), timeline.at(float(time[rows][0]))
-            notes.append(f"At {count} update{'s' * (count > 1)} (first at {first}) {text}.")
-    return notes
+    @property
+    def text(self) -> str:
+        """A paragraph for each track, the most severe first."""
+        tracks = self.by_severity()
+        notes = dict.fromkeys(track.timeline.origin_note for track in tracks)
+        parts = [*self.warnings, *(track.findings for track in tracks), *notes]
+        return "\n\n".join(part for part in parts if part)
+
+    def by_severity(self) -> tuple[TrackDiagnosis, ...]:
+        """The tracks, the most severe verdict first."""
+        return tuple(sorted(self.values(), key=lambda track: VERDICTS.index(track.verdict)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """All results as dictionaries, lists, strings and numbers."""
+        tracks = {name: track.to_dict() for name, track in self.items()}
+        return {"warnings": list(self.warnings), "tracks": tracks}
+
+    def __repr__(self) -> str:
+        """The verdict of each track."""
+        verdicts = ", ".join(f"{name!r}: {track.verdict!r}" for name, track in self.items())
+        return f"Diagnosis({{{verdicts}}})"
+
+    def __str__(self) -> str:
+        """The paragraphs."""
+        return self.text

@@ -23,8 +23,9 @@ STATES = ("x_pred", "x", "truth", "error", "std")
 STATE_MATRICES = ("P_pred", "P", "A")
 MEASUREMENTS = ("z", "innovation")
 MEASUREMENT_MATRICES = ("S", "R")
+OBSERVATIONS = ("H",)
 WORDS = ("status", "measurement_type")
-FLOATS = NUMBERS + STATES + STATE_MATRICES + MEASUREMENTS + MEASUREMENT_MATRICES
+FLOATS = NUMBERS + STATES + STATE_MATRICES + MEASUREMENTS + MEASUREMENT_MATRICES + OBSERVATIONS
 KNOWN = ("track", "time", "observed", *WORDS, *FLOATS)
 COVARIANCES = ("P_pred", "P", "S", "R")
 
@@ -38,7 +39,7 @@ class Columns:
     row: Integers
     """Where the update stood in what was read, for messages."""
     status: Words | None = None
-    """``"tentative"`` or ``"active"``."""
+    """``"tentative"``, ``"active"``, or ``"rejected"``: tested, but not used by the filter."""
     measurement_type: Words | None = None
     """Name of the kind of measurement."""
     observed: Integers | None = None
@@ -55,6 +56,8 @@ class Columns:
     """Covariance of the innovation."""
     R: Floats | None = None
     """Covariance of the measurement's noise."""
+    H: Floats | None = None
+    """``(rows, m, n)``: how each component of the measurement depends on the states."""
     nis: Floats | None = None
     """Normalised innovation squared."""
     nis_dof: Floats | None = None
@@ -144,6 +147,26 @@ def matrices(name: str, values: Any, rows: int, width: int | None) -> Floats:
     for i, part in enumerate(parts):
         column[i, : len(part), : len(part)] = part
     return column
+
+
+def observations(name: str, values: Any, rows: int, states: int) -> Floats:
+    """One ``(m, n)`` matrix a row, or all its elements row by row, padded with NaN rows."""
+    listed = _rows(name, values, rows)
+    empty = np.empty((0, states))
+    parts = [empty if v is None else _observation(f"{name}[{i}]", v, states) for i, v in listed]
+    column = np.full((rows, max((len(p) for p in parts), default=0), states), np.nan)
+    for i, part in enumerate(parts):
+        column[i, : len(part)] = part
+    return column
+
+
+def _observation(name: str, value: Any, states: int) -> Floats:
+    matrix = np.asarray(value, np.float64)
+    if matrix.ndim == 1 and states and matrix.size % states == 0:
+        return matrix.reshape(-1, states)
+    if matrix.ndim != 2 or matrix.shape[1] != states:
+        raise ValueError(f"{name} has shape {matrix.shape}, expected (m, {states})")
+    return matrix
 
 
 def components(vectors: Floats, covariances: Floats) -> NDArray[np.bool_]:

@@ -86,13 +86,15 @@ class EstimatorLog:
             Unit of ``time``.
         **columns
             ``track`` (default: one track), ``time`` (default: 0, 1, ... in each track),
-            ``status`` (``"tentative"`` or ``"active"``), ``measurement_type``, ``observed`` (the
-            states that each component of the measurement observes, by name or index); of each row
+            ``status`` (``"tentative"``, ``"active"`` or ``"rejected"``), ``measurement_type``,
+            ``observed`` (the states that each component of the measurement observes, by name or
+            index); of each row
             one number: ``nis``, ``nis_dof``, ``nees``, ``nees_dof``; a vector of the measurement:
             ``z``, ``innovation``; a vector of the state: ``x_pred``, ``x``, ``truth``, ``error``,
             ``std``; a matrix: ``S``, ``R``, ``P_pred``, ``P``, ``A`` (covariances also as the upper
-            triangle). Rows are in the order of time within each track; None or NaN is missing, a
-            row or single components of it (of a matrix with their rows and columns).
+            triangle), and ``H``, ``m x n``. Rows are in the order of time within each track; None
+            or NaN is missing, a row or single components of it (of a matrix with their rows and
+            columns).
 
         Returns
         -------

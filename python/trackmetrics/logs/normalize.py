@@ -111,6 +111,8 @@ def _settle_forms(given: Mapping[str, Any], rows: int, states: Sequence[State]) 
             columns[name] = forms.numbers(name, values, rows)
         elif name == "observed":
             columns[name] = forms.indices(name, values, rows, place)
+        elif name in forms.OBSERVATIONS:
+            columns[name] = forms.observations(name, values, rows, n)
         elif name in forms.STATES + forms.MEASUREMENTS:
             width = n if name in forms.STATES else None
             columns[name] = forms.vectors(name, values, rows, width)
@@ -124,10 +126,15 @@ def _align(columns: Columns) -> Columns:
     """Measurement columns of one common width."""
     names = [n for n in (*forms.MEASUREMENTS, "observed") if getattr(columns, n) is not None]
     squares = [n for n in forms.MEASUREMENT_MATRICES if getattr(columns, n) is not None]
-    width = max((getattr(columns, n).shape[1] for n in names + squares), default=0)
+    wide = [n for n in forms.OBSERVATIONS if getattr(columns, n) is not None]
+    width = max((getattr(columns, n).shape[1] for n in names + squares + wide), default=0)
     wider = {}
     for name in names + squares:
         column = getattr(columns, name)
         missing = [(0, 0)] + [(0, width - column.shape[1])] * (column.ndim - 1)
         wider[name] = np.pad(column, missing, constant_values=-1 if name == "observed" else np.nan)
+    for name in wide:
+        column = getattr(columns, name)
+        missing = [(0, 0), (0, width - column.shape[1]), (0, 0)]
+        wider[name] = np.pad(column, missing, constant_values=np.nan)
     return columns.with_(**wider)

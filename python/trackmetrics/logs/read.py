@@ -21,7 +21,7 @@ def read_log(
     time_unit: str | None = None,
     progress: bool = False,
 ) -> EstimatorLog:
-    """Read a log from a ``.jsonl``, ``.csv`` or ``.parquet`` file.
+    """Read a log from a ``.jsonl``, ``.csv`` or ``.parquet`` file, or a PX4 flight log (``.ulg``).
 
     The columns are those of :meth:`EstimatorLog.from_columns`; a vector or a matrix is a list
     (JSON Lines, Parquet) or one column an element, ``x[0]``, ``x[1]``, ... (CSV). The first record
@@ -31,7 +31,8 @@ def read_log(
     Parameters
     ----------
     path
-        The file; its ending says in which form it is. Parquet needs ``pyarrow``.
+        The file; its ending says in which form it is. Parquet needs ``pyarrow``, a flight log
+        (ULog: the innovations of each axis as a track) ``pyulog``, the extra ``px4``.
     columns
         Names of the file's columns where they differ: ``{"nis_dof": "df", "std": ["s0", "s1"]}``.
     states, state_dim, angles, measurement_angles, time_unit

@@ -50,6 +50,8 @@ def _measured(saver: Any, k: int) -> Record:
         "z": np.ravel(saver.z[k]),
         "measurement_type": "measurement",
     }
+    if hasattr(saver, "H"):
+        record["H"] = np.atleast_2d(saver.H[k])
     if all(hasattr(saver, name) for name in ("K", "H", "F")):
         gain = np.asarray(saver.K[k]) @ np.asarray(saver.H[k])
         record["A"] = (np.eye(len(gain)) - gain) @ np.asarray(saver.F[k])

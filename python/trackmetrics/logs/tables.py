@@ -21,7 +21,12 @@ def from_file(path: Path, progress: bool) -> tuple[Table, dict[str, Any]]:
 
     With ``progress`` a bar shows how much is read.
     """
-    readers = {".jsonl": _read_json_lines, ".csv": _read_csv, ".parquet": _read_parquet}
+    readers = {
+        ".jsonl": _read_json_lines,
+        ".csv": _read_csv,
+        ".parquet": _read_parquet,
+        ".ulg": _read_ulog,
+    }
     if path.suffix not in readers:
         raise ValueError(f"path must end in {', '.join(readers)}, got {path.name!r}")
     return readers[path.suffix](path, progress)
@@ -132,6 +137,12 @@ def _cell(name: str, text: str) -> Any:
         return float(text)
     except ValueError:
         return text
+
+
+def _read_ulog(path: Path, _: bool) -> tuple[Table, dict[str, Any]]:
+    from trackmetrics.logs import px4
+
+    return px4.read_ulog(path), {}
 
 
 def _read_parquet(path: Path, _: bool) -> tuple[Table, dict[str, Any]]:

@@ -21,7 +21,8 @@ def check_values(columns: Columns, timed: bool) -> None:
 
 
 def _check_finite(name: str, column: Floats) -> None:
-    """No infinity; of a matrix a missing component misses its whole row and column."""
+    """No infinity; of a matrix a missing component misses its whole row and column,
+    of H its row."""
     bad = np.isinf(column)
     if column.ndim == 3:
         bad |= np.isnan(column) & ~_missing(name, column)
@@ -34,6 +35,8 @@ def _check_finite(name: str, column: Floats) -> None:
 def _missing(name: str, matrices: Floats) -> NDArray[np.bool_]:
     """Elements of components that are missing altogether; a transition is whole or missing."""
     absent: NDArray[np.bool_] = np.isnan(matrices)
+    if name == "H":
+        return np.broadcast_to(absent.all(axis=2, keepdims=True), absent.shape)
     gone: NDArray[np.bool_] = np.logical_and(absent.all(axis=2), absent.all(axis=1))
     if name == "A":
         gone = np.logical_and(gone, np.logical_and.reduce(gone, axis=1)[:, None])
@@ -67,8 +70,10 @@ def _check_status(columns: Columns) -> None:
     if columns.status is None:
         return
     for row, status in enumerate(columns.status):
-        if status not in (None, "tentative", "active"):
-            raise ValueError(f"status[{row}] must be 'tentative' or 'active', got {status!r}")
+        if status not in (None, "tentative", "active", "rejected"):
+            raise ValueError(
+                f"status[{row}] must be 'tentative', 'active' or 'rejected', got {status!r}"
+            )
 
 
 def _check_something_there(columns: Columns) -> None:
@@ -76,7 +81,7 @@ def _check_something_there(columns: Columns) -> None:
     there = np.zeros(len(columns), bool)
     for name in FLOATS:
         column = getattr(columns, name)
-        if column is not None and name not in DOFS:
+        if column is not None and name not in (*DOFS, "H"):
             there |= present(column)
     if columns.status is not None:
         there |= columns.status == "tentative"

@@ -63,6 +63,9 @@ def _cell(name: str, value: Floats) -> Any:
         return float(value)
     if value.ndim == 1:
         return _until_last(value, ~np.isnan(value))
+    if name == "H":
+        rows = len(_until_last(value[:, 0], ~np.isnan(value).any(axis=1)))
+        return [None if v != v else v for v in value[:rows].ravel().tolist()]
     size = len(_until_last(value.diagonal(), ~np.isnan(value.diagonal())))
     value = value[:size, :size]
     flat = value[np.triu_indices(size)] if name in COVARIANCES else value.ravel()

@@ -15,7 +15,7 @@ from trackmetrics.report.scene import (
     Text,
     floats,
 )
-from trackmetrics.report.theme import verdict_label, verdict_role, verdict_symbol
+from trackmetrics.report.theme import segment_role, verdict_label, verdict_role, verdict_symbol
 from trackmetrics.report.track_view import TrackView
 
 ROW_HEIGHT = 24.0
@@ -88,7 +88,9 @@ def _segment_rects(
         left = floats([view.clock.at(segment.start_time) - pad])
         right = floats([view.clock.at(segment.stop_time) + pad])
         name = f"{verdict.quantity.upper()} scale {segment.scale:.3g}"
-        box = Rects(left, right, floats([low]), floats([high]), f"{segment.label}/0.75", name)
+        box = Rects(
+            left, right, floats([low]), floats([high]), f"{segment_role(segment.label)}/0.75", name
+        )
         primitives.append(box)
     return primitives
 

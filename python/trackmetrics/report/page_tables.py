@@ -8,7 +8,7 @@ import numpy as np
 from trackmetrics._format import MISSING, number, p_value
 from trackmetrics.diagnostics import QuantityVerdict
 from trackmetrics.report.packing import PackedArrays
-from trackmetrics.report.theme import segment_verdict, verdict_label
+from trackmetrics.report.theme import segment_role, verdict_label
 from trackmetrics.report.track_view import TrackView
 
 
@@ -41,10 +41,10 @@ def timeline_bars(view: TrackView) -> list[TimelineBar]:
                 100 * view.clock.at(time) / view.span[1]
                 for time in (segment.start_time, segment.stop_time)
             )
-            name, label = verdict.quantity.upper(), segment_verdict(segment.label)
-            scale = f"{name} scale {number(segment.scale)}, {label}"
+            name = verdict.quantity.upper()
+            scale = f"{name} scale {number(segment.scale)}, {segment.label}"
             wide = max(right - left, 1.2)
-            bars.append(TimelineBar(left, wide, 11 * row, segment.label, scale))
+            bars.append(TimelineBar(left, wide, 11 * row, segment_role(segment.label), scale))
     return bars
 
 
@@ -58,7 +58,7 @@ def first_event(view: TrackView) -> tuple[float, list[str]]:
 
 def _events(view: TrackView, verdict: QuantityVerdict) -> list[tuple[float, str]]:
     name = verdict.quantity.upper()
-    times = (("from", verdict.onset_time), ("settled", verdict.settle_time))
+    times = (("from", verdict.onset_time), ("settled", verdict.settling_time))
     at = [(event, view.clock.at(time)) for event, time in times if time is not None]
     return [
         (minute, f"{name} {event} {number(minute, 4)} {view.clock.unit}") for event, minute in at
@@ -81,7 +81,7 @@ def _segments(view: TrackView) -> Table:
             number(s.scale),
             f"{number(s.interval[0])} to {number(s.interval[1])}",
             p_value(s.p_value),
-            segment_verdict(s.label),
+            s.label,
         )
         for verdict in view.quantities()
         for s in verdict.segments
@@ -97,13 +97,13 @@ def _states(view: TrackView) -> Table:
         (
             f"{s.state} ({s.unit})" if s.unit else s.state,
             ", ".join(s.observed_by) or "never directly",
-            MISSING if s.support is None else str(s.support),
+            MISSING if s.num_direct_updates is None else str(s.num_direct_updates),
             number(s.longest_gap / minute),
             number(s.reference_std),
             number(s.peak_growth),
             number(s.information_gain),
-            number(s.share),
-            number(s.marginal),
+            number(s.nees_share),
+            number(s.marginal_nees),
         )
         for s in view.track.states
     )

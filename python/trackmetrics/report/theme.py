@@ -143,11 +143,6 @@ def verdict_label(verdict: str) -> str:
     return verdict.replace("_", " ")
 
 
-def segment_verdict(label: str) -> str:
-    """The label of a segment as a verdict: ``"high"`` is optimistic, ``"low"`` pessimistic."""
-    return {"high": "optimistic", "low": "pessimistic"}.get(label, label)
-
-
 def segment_role(verdict: str) -> str:
     """The role whose colour a segment with this verdict has."""
     return {"optimistic": "high", "pessimistic": "low"}.get(verdict, verdict)

@@ -32,7 +32,7 @@ from trackmetrics.report.scene import (
     floats,
 )
 from trackmetrics.report.state_panels import state_block
-from trackmetrics.report.theme import verdict_label, verdict_symbol
+from trackmetrics.report.theme import segment_role, verdict_label, verdict_symbol
 from trackmetrics.report.track_view import TrackView
 
 COVERAGE = 0.95
@@ -136,14 +136,13 @@ def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:
         left = view.clock.at(segment.start_time) - pad
         right = view.clock.at(segment.stop_time) + pad
         low, high = segment.interval
+        role = segment_role(segment.label)
         name = f"scale {number(segment.scale)} [{number(low)}, {number(high)}], {segment.label}"
         sides, mean = floats([left, right]), floats([segment.scale] * 2)
-        box = Rects(
-            floats([left]), floats([right]), floats([low]), floats([high]), f"{segment.label}/0.2"
-        )
-        primitives += [box, Line(sides, mean, segment.label, 2.4, name=name)]
+        box = Rects(floats([left]), floats([right]), floats([low]), floats([high]), f"{role}/0.2")
+        primitives += [box, Line(sides, mean, role, 2.4, name=name)]
         factor = f"{float(f'{segment.scale:.2g}'):g}×"
-        primitives.append(Text(right, high, factor, segment.label, "right", above=True, bold=True))
+        primitives.append(Text(right, high, factor, role, "right", above=True, bold=True))
     return primitives
 
 
@@ -172,7 +171,7 @@ def _events(view: TrackView, verdict: QuantityVerdict) -> list[Event]:
     """Onset, settling and alarm; labels of events close together are moved apart."""
     named = (
         ("onset", verdict.onset_time, "high"),
-        ("settled", verdict.settle_time, "consistent"),
+        ("settled", verdict.settling_time, "consistent"),
         ("alarm", verdict.alarm_time, "warning"),
     )
     at = sorted((view.clock.at(t), name, role) for name, t, role in named if t is not None)

@@ -180,7 +180,7 @@ def track_views(diagnosis: Diagnosis, log: EstimatorLog | None) -> list[TrackVie
 def _clock(diagnosis: Diagnosis) -> Clock:
     timeline = next((t.timeline for t in diagnosis.values()), Timeline(0.0, "s"))
     origin, unit = timeline.start, timeline.unit
-    moment = f", {timeline.moment}" if timeline.moment else ""
+    moment = f", {timeline.start_utc}" if timeline.start_utc else ""
     if unit in _MINUTE:
         return Clock(origin, _MINUTE[unit], f"minutes since start{moment}")
     return Clock(origin, 1.0, f"time since start ({unit})", unit)

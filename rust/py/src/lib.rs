@@ -25,6 +25,7 @@ mod error;
 mod interrupt;
 mod lists;
 mod monte_carlo;
+mod noise_likelihood;
 mod point_sets;
 mod results;
 mod settings;
@@ -49,6 +50,7 @@ mod _native {
             scale_partitions, shapley_shares,
         },
         monte_carlo::{consistency_sums, histograms, run_sums},
+        noise_likelihood::noise_likelihood,
         point_sets::{
             gospa, gospa_from_distances, gospa_over_time, mahalanobis_distances, ospa,
             ospa_assignment, ospa_from_distances, ospa_over_time, point_distances,

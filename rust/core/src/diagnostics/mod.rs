@@ -6,5 +6,7 @@ pub mod best_split;
 pub mod cusum;
 pub mod inflation;
 mod likelihood;
+mod noise_filter;
+pub mod noise_likelihood;
 mod optimal;
 pub mod segmentation;

@@ -52,13 +52,13 @@ def share(found, verdict):
     return np.mean([track.verdict == verdict for track in found.values()])
 
 
-def test_honest_filters_are_consistent():
+def test_well_tuned_filters_are_consistent():
     found = diagnose(simulate(runs=150))
     assert share(found, "consistent") >= 0.92
     first = found["run 0"]
-    assert first.nees.inflation == pytest.approx(1.98, abs=0.1)
+    assert first.nees.autocorrelation_time == pytest.approx(1.98, abs=0.1)
     assert [s.observed_by for s in first.states] == [("near", "far"), (), ("near", "far"), ()]
-    assert first.states[0].support == 80
+    assert first.states[0].num_direct_updates == 80
     assert 0 < first.states[0].information_gain < 1
 
 
@@ -99,18 +99,20 @@ def test_a_late_manoeuvre_is_late_and_in_the_velocities():
     assert 55 <= np.median(onsets) <= 59
     assert {track.weakest_state for track in found.values()} <= {"vx", "vy"}
     states = found["run 0"].states
-    assert sum(s.share for s in states) == pytest.approx(1.0)
+    assert sum(s.nees_share for s in states) == pytest.approx(1.0)
     assert found["run 0"].text.count("The weakest state is v") == 1
 
 
 def test_both_backends_say_the_same_of_full_rows():
     log = simulate(runs=5, updates=40, push=1.5)
     with use_backend("numpy"):
-        twin = diagnose(log)
+        reference = diagnose(log)
     for name, track in diagnose(log).items():
-        assert twin[name].verdict == track.verdict
-        assert twin[name].weakest_state == track.weakest_state
-        assert twin[name].states[1].share == pytest.approx(track.states[1].share, rel=1e-9)
+        assert reference[name].verdict == track.verdict
+        assert reference[name].weakest_state == track.weakest_state
+        assert reference[name].states[1].nees_share == pytest.approx(
+            track.states[1].nees_share, rel=1e-9
+        )
 
 
 def test_many_states_are_split_by_drawn_orders():
@@ -122,7 +124,7 @@ def test_many_states_are_split_by_drawn_orders():
     assert track.verdict == track.nees.verdict == "late_divergence"
     assert track.nis.verdict == "insufficient"
     assert track.weakest_state == "x[7]"
-    assert track.states[7].nees == pytest.approx((error[20:, 7] ** 2).mean(), rel=1e-6)
+    assert track.states[7].shapley_nees == pytest.approx((error[20:, 7] ** 2).mean(), rel=1e-6)
 
 
 def test_a_bias_of_the_state_needs_truth():
@@ -157,9 +159,9 @@ def test_a_skewed_value_becomes_a_normal_one(skewness):
 
     from trackmetrics import _distributions
 
-    law = stats.pearson3(skewness)
+    distribution = stats.pearson3(skewness)
     for value in (-1.5, -0.3, 0.0, 0.8, 2.5, 6.0):
-        expected = stats.norm.isf(law.sf(value))
+        expected = stats.norm.isf(distribution.sf(value))
         found = _distributions.pearson3_to_z(value, skewness)
         assert found == pytest.approx(expected, abs=1e-7)
     assert _distributions.pearson3_to_z(1.7, 0.0) == 1.7
@@ -171,13 +173,17 @@ def test_a_skewed_value_becomes_a_normal_one(skewness):
 def test_the_correlation_is_the_weighted_sum_over_lags(alternating):
     from scipy import stats
 
-    from trackmetrics.diagnostics.innovations import FAST, SLOW, correlation
+    from trackmetrics.diagnostics.whiteness import (
+        NEGATIVE_WEIGHTS,
+        POSITIVE_WEIGHTS,
+        innovation_correlation,
+    )
 
     rng = np.random.default_rng(1)
     x = rng.normal(size=(41, 2))
     x[1:] += (-0.5 if alternating else 0.5) * x[:-1]
     x = np.clip(x, -2.0, 2.0)
-    weights = FAST if alternating else SLOW
+    weights = NEGATIVE_WEIGHTS if alternating else POSITIVE_WEIGHTS
     total = third = 0.0
     for lag, w in enumerate(weights, 1):
         shared = sum(x[k, j] * x[k + lag, j] for k in range(41 - lag) for j in range(2))
@@ -187,17 +193,19 @@ def test_the_correlation_is_the_weighted_sum_over_lags(alternating):
             if lag + other <= len(weights):
                 third += w * v * weights[lag + other - 1]
     size = np.sqrt(sum(w**2 for w in weights))
-    law = stats.pearson3(6 * third / size**3 / np.sqrt(2 * 40))
-    found = correlation(innovations(x))
-    assert found.z == pytest.approx(stats.norm.isf(law.sf(total / size)), rel=1e-6)
+    distribution = stats.pearson3(6 * third / size**3 / np.sqrt(2 * 40))
+    found = innovation_correlation(innovations(x))
+    assert found.z == pytest.approx(stats.norm.isf(distribution.sf(total / size)), rel=1e-6)
     assert (found.z < 0) == alternating
 
 
 def test_white_innovations_pass_as_often_as_they_should():
-    from trackmetrics.diagnostics.innovations import correlation
+    from trackmetrics.diagnostics.whiteness import innovation_correlation
 
     rng = np.random.default_rng(2)
-    p = np.array([correlation(innovations(rng.normal(size=(60, 2)))).p_value for _ in range(3000)])
+    p = np.array(
+        [innovation_correlation(innovations(rng.normal(size=(60, 2)))).p_value for _ in range(3000)]
+    )
     # Binomial bounds of four standard deviations above 5 % and 0.4 %.
     assert (p < 0.05).mean() < 0.066
     assert (p < 0.004).mean() < 0.009
@@ -212,14 +220,14 @@ def small_and_alternating(n=100, scale=0.68, lag1=-0.25, seed=0):
 
 
 def test_size_and_correlation_together_say_what_neither_does_alone():
-    from trackmetrics.diagnostics.diagnose import LEVEL
+    from trackmetrics.diagnostics.thresholds import ALPHA
 
     found = []
     for seed in range(40):
         x = small_and_alternating(seed=seed)
         log = EstimatorLog.from_columns(innovation=x, S=np.ones((len(x), 1, 1)))
         track = diagnose(log)["track"]
-        alone = track.whiteness.p_value < LEVEL or track.nis.segments[0].p_value < LEVEL
+        alone = track.whiteness.p_value < ALPHA or track.nis.segments[0].p_value < ALPHA
         if not alone:
             found.append(track.verdict)
     assert len(found) >= 10

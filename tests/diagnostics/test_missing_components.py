@@ -112,7 +112,7 @@ def test_a_log_with_gaps_comes_back_from_its_file(tmp_path, ending):
         np.testing.assert_array_equal(getattr(back, name), getattr(log.columns, name), name)
 
 
-# -- an honest filter whose sensor and whose truth come in parts
+# -- a consistent filter whose sensor and whose truth come in parts
 
 F = np.kron(np.eye(2), [[1.0, 5.0], [0.0, 1.0]])
 Q = np.kron(np.eye(2), 0.5 * np.array([[125 / 3, 12.5], [12.5, 5.0]]))
@@ -167,17 +167,17 @@ def simulate(
 
 
 @pytest.mark.parametrize("model", [True, False])
-def test_an_honest_filter_is_consistent(model):
+def test_a_well_tuned_filter_is_consistent(model):
     found = diagnose(simulate(200, model=model, seed=3))
     wrong = [t.verdict for t in found.values() if not t.consistent]
-    # At most 5 % in the long run: 10 of 200, and as much again by chance in one case of 400.
+    # At most 5 % in the long run: 10 of 200, and as much again in one case of 400.
     assert len(wrong) <= 19
     assert {t.nis.verdict for t in found.values()} >= {"consistent"}
 
 
 @settings(max_examples=4)
 @given(st.integers(0, 2**32))
-def test_nis_and_nees_have_the_law_of_their_own_degrees_of_freedom(seed):
+def test_nis_and_nees_have_the_distribution_of_their_own_degrees_of_freedom(seed):
     from scipy import stats
 
     c = simulate(10, updates=40, seed=seed).columns
@@ -207,7 +207,8 @@ def test_an_offset_of_the_states_is_found_without_a_whole_error():
 
 
 def test_offsets_are_generalised_least_squares_over_what_is_there():
-    from trackmetrics.diagnostics.innovations import Innovations, offsets
+    from trackmetrics.diagnostics.bias import mean_innovations
+    from trackmetrics.diagnostics.innovations import Innovations
 
     rng = np.random.default_rng(8)
     n = 40
@@ -215,7 +216,7 @@ def test_offsets_are_generalised_least_squares_over_what_is_there():
     values[rng.random((n, 3)) < 0.4] = NAN
     values[5:, 2] = NAN
     s = np.array([masked(covariance(rng, 3), ~np.isnan(v)) for v in values])
-    found = offsets(Innovations(values, s, np.full(n, "radar", object)))
+    found = mean_innovations(Innovations(values, s, np.full(n, "radar", object)))
     # Stacked rows y = E b + noise, of the components that have eight values.
     information, pulled = np.zeros((2, 2)), np.zeros(2)
     for v, p in zip(values, s, strict=True):
@@ -224,24 +225,24 @@ def test_offsets_are_generalised_least_squares_over_what_is_there():
         weight = np.linalg.inv(p[np.ix_(i, i)]) if len(i) else np.zeros((0, 0))
         information += design.T @ weight @ design
         pulled += design.T @ weight @ v[i]
-    assert [o.component for o in found] == [0, 1]
-    assert [o.value for o in found] == pytest.approx(np.linalg.solve(information, pulled))
+    assert [b.index for b in found] == [0, 1]
+    assert [b.value for b in found] == pytest.approx(np.linalg.solve(information, pulled))
 
 
 def test_shares_are_averages_over_the_updates_that_have_the_state():
-    from trackmetrics.diagnostics.states import attribute
+    from trackmetrics.diagnostics.attribution import attribute_nees
 
     errors = np.array([[3.0, 4.0, NAN], [1.0, NAN, NAN], [NAN, 2.0, NAN]])
-    found = attribute(errors, np.tile(np.eye(3), (3, 1, 1)))
-    np.testing.assert_allclose(found.shares, [5.0, 10.0, NAN])
-    np.testing.assert_allclose(found.marginal, [5.0, 10.0, NAN])
-    np.testing.assert_allclose(found.unique, [5.0, 10.0, NAN])
-    np.testing.assert_allclose(found.parts, [10 / 30, 20 / 30, NAN])
+    found = attribute_nees(errors, np.tile(np.eye(3), (3, 1, 1)))
+    np.testing.assert_allclose(found.shapley_nees, [5.0, 10.0, NAN])
+    np.testing.assert_allclose(found.marginal_nees, [5.0, 10.0, NAN])
+    np.testing.assert_allclose(found.conditional_nees, [5.0, 10.0, NAN])
+    np.testing.assert_allclose(found.nees_share, [10 / 30, 20 / 30, NAN])
     correlated = np.array([[[1.0, 0.5, 0.1], [0.5, 1.0, 0.2], [0.1, 0.2, 1.0]]])
-    pair = attribute(errors[:1], correlated)
-    alone = attribute(errors[:1, :2], correlated[:, :2, :2])
-    np.testing.assert_allclose(pair.shares[:2], alone.shares)
-    np.testing.assert_allclose(pair.unique[:2], alone.unique)
+    pair = attribute_nees(errors[:1], correlated)
+    alone = attribute_nees(errors[:1, :2], correlated[:, :2, :2])
+    np.testing.assert_allclose(pair.shapley_nees[:2], alone.shapley_nees)
+    np.testing.assert_allclose(pair.conditional_nees[:2], alone.conditional_nees)
 
 
 def test_support_and_notes_count_what_is_there():
@@ -249,7 +250,7 @@ def test_support_and_notes_count_what_is_there():
     track = diagnose(log)["run 0"]
     seen = ~np.isnan(log.columns.innovation)
     # x, y and vx are the components; vy is never observed.
-    assert [s.support for s in track.states] == [*seen.sum(axis=0)[[0, 2, 1]], 0]
+    assert [s.num_direct_updates for s in track.states] == [*seen.sum(axis=0)[[0, 2, 1]], 0]
     lacking = int((~seen).any(axis=1).sum())
     assert track.notes[0].startswith(f"{lacking} innovations lack components")
     assert track.notes[1].split()[1] == "errors"
@@ -259,9 +260,11 @@ def test_support_and_notes_count_what_is_there():
 def test_both_backends_say_the_same():
     log = simulate(4, updates=40, offset=(0.0, 60.0, 0.0), seed=11)
     with use_backend("numpy"):
-        twin = diagnose(log)
+        reference = diagnose(log)
     for name, track in diagnose(log).items():
-        assert twin[name].verdict == track.verdict
-        assert twin[name].nees.inflation == pytest.approx(track.nees.inflation, rel=1e-9)
-        for ours, theirs in zip(track.states, twin[name].states, strict=True):
-            assert theirs.share == pytest.approx(ours.share, rel=1e-9, nan_ok=True)
+        assert reference[name].verdict == track.verdict
+        assert reference[name].nees.autocorrelation_time == pytest.approx(
+            track.nees.autocorrelation_time, rel=1e-9
+        )
+        for ours, theirs in zip(track.states, reference[name].states, strict=True):
+            assert theirs.nees_share == pytest.approx(ours.nees_share, rel=1e-9, nan_ok=True)

@@ -1,4 +1,4 @@
-"""Segmentation, penalties, attribution and inflation: kernel, twin and definition."""
+"""Segmentation, penalties, attribution and inflation: kernel, reference and definition."""
 
 import itertools
 from math import log
@@ -79,9 +79,11 @@ def test_long_sequences_agree_between_backends():
     rng = np.random.default_rng(1)
     values = rng.chisquare(3, 2600) * np.where(np.arange(2600) < 1733, 1.0, 1.6)
     arguments = values, np.full(2600, 3.0), np.array([0, 2600]), 2, 4
-    (gains, cuts), (twin_gains, twin_cuts) = (m.scale_partitions(*arguments) for m in BACKENDS)
-    np.testing.assert_allclose(gains, twin_gains, rtol=1e-9)
-    np.testing.assert_array_equal(cuts, twin_cuts)
+    (gains, cuts), (reference_gains, reference_cuts) = (
+        m.scale_partitions(*arguments) for m in BACKENDS
+    )
+    np.testing.assert_allclose(gains, reference_gains, rtol=1e-9)
+    np.testing.assert_array_equal(cuts, reference_cuts)
     assert abs(cuts[0, 1, 0] - 1733) < 30
 
 
@@ -107,7 +109,7 @@ def test_best_splits_are_the_definition(least, n, seed):
 
 
 @given(sequences(), st.sampled_from([0.4, 2.5]), st.sampled_from([0.01, 0.5]))
-def test_alarms_are_the_definition(sequence, scale, chance):
+def test_alarms_are_the_definition(sequence, scale, alpha):
     values, dof = sequence
     n = len(values)
     rises = [
@@ -118,12 +120,12 @@ def test_alarms_are_the_definition(sequence, scale, chance):
         # The largest sum of values that end here, and the latest beginning of it.
         sums = [sum(rises[j : k + 1]) for j in range(k + 1)]
         largest = max(sums)
-        if largest > log(n / chance):
+        if largest > log(n / alpha):
             expected = [k, max(j for j in range(k + 1) if sums[j] == pytest.approx(largest))]
             break
     starts = np.array([0, n])
     for module in BACKENDS:
-        found = module.first_alarms(values, dof, starts, scale, chance)
+        found = module.first_alarms(values, dof, starts, scale, alpha)
         assert found.shape == (1, 2)
         assert found[0, 0] == expected[0]
         if expected[0] >= 0:
@@ -194,8 +196,8 @@ def test_inflation_is_the_sum_of_squared_correlations(d, partial, seed):
                 expected[k] += shared / known[k].sum()
                 expected[other] += shared / known[other].sum()
     mask = known.astype(np.int64).ravel() if partial else None
-    native, twin = (m.nees_inflation(steps, p, starts, mask) for m in BACKENDS)
-    np.testing.assert_allclose(native, twin, rtol=1e-9)
+    native, reference = (m.nees_inflation(steps, p, starts, mask) for m in BACKENDS)
+    np.testing.assert_allclose(native, reference, rtol=1e-9)
     # Memories below 1e-4 are forgotten, and whatever lies behind them.
     np.testing.assert_allclose(native, expected, rtol=0.02)
 

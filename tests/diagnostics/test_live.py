@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 
 from trackmetrics.diagnostics import LiveMonitor, diagnose
-from trackmetrics.diagnostics.live import first_alarms
+from trackmetrics.diagnostics.cusum import first_alarms
 
 
 def test_the_sums_are_the_definition():
-    monitor = LiveMonitor(horizon=50, too_large=2.0, too_small=0.5)
+    monitor = LiveMonitor(horizon=50, scale_high=2.0, scale_low=0.5)
     large = small = 0.0
     for nis, dof in zip([1.0, 8.0, 0.5, 9.0, 0.0], [2, 4, 2, 2, 2], strict=True):
         status = monitor.update(nis, dof)
         large = max(0.0, large - dof / 2 * np.log(2.0) + nis / 2 * 0.5)
         small = max(0.0, small + dof / 2 * np.log(2.0) - nis / 2)
-        assert status.too_large == pytest.approx(large)
-        assert status.too_small == pytest.approx(small)
+        assert status.cusum_high == pytest.approx(large)
+        assert status.cusum_low == pytest.approx(small)
     assert status.threshold == pytest.approx(np.log(2 * 50 / 0.01))
     assert status.updates == 5
 
@@ -35,11 +35,11 @@ def test_a_change_of_scale_is_called_with_its_onset(scale, alarm):
     assert monitor.status.alarm is None
 
 
-def test_an_honest_filter_raises_few_alarms():
+def test_a_consistent_filter_raises_few_alarms():
     rng = np.random.default_rng(1)
     alarms = 0
     for _ in range(200):
-        monitor = LiveMonitor(horizon=100, chance=0.05)
+        monitor = LiveMonitor(horizon=100, alpha=0.05)
         alarms += any(monitor.update(nis, 2).alarm for nis in rng.chisquare(2, 100))
     assert alarms <= 10
 
@@ -47,8 +47,8 @@ def test_an_honest_filter_raises_few_alarms():
 def test_offline_and_online_agree():
     rng = np.random.default_rng(3)
     values = rng.chisquare(2, 80) * np.where(np.arange(80) < 50, 1.0, 5.0)
-    ((alarm, onset),) = first_alarms([(values, np.full(80, 2.0))], chance=0.01)
-    monitor = LiveMonitor(horizon=80, chance=0.02)
+    ((alarm, onset),) = first_alarms([(values, np.full(80, 2.0))], alpha=0.01)
+    monitor = LiveMonitor(horizon=80, alpha=0.02)
     for k, nis in enumerate(values):
         status = monitor.update(nis, 2)
         if status.alarm:
@@ -67,10 +67,10 @@ def test_memory_is_bounded():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"horizon": 0}, "horizon must be at least 1, got 0"),
-        ({"horizon": 9, "chance": 1.0}, "chance must be between 0 and 1"),
-        ({"horizon": 9, "too_large": 1.0}, "too_large must be above 1"),
-        ({"horizon": 9, "too_small": 0.0}, "too_small must be between 0 and 1"),
+        ({"horizon": 0}, "horizon must be at least 1 and finite, got 0"),
+        ({"horizon": 9, "alpha": 1.0}, "alpha must be between 0 and 1"),
+        ({"horizon": 9, "scale_high": 1.0}, "scale_high must be above 1"),
+        ({"horizon": 9, "scale_low": 0.0}, "scale_low must be between 0 and 1"),
     ],
 )
 def test_wrong_parameters_are_named(arguments, message):
@@ -84,7 +84,7 @@ def test_wrong_values_are_named(nis, dof):
         LiveMonitor(horizon=9).update(nis, dof)
 
 
-def test_the_diagnosis_says_when_it_would_have_called():
+def test_the_diagnosis_says_when_it_would_have_raised_an_alarm():
     from trackmetrics.logs import EstimatorLog
 
     nis = [2.0] * 40 + [30.0] * 5

@@ -1,0 +1,20 @@
+"""Short texts for messages: never more of a value than a reader can take in."""
+
+from collections.abc import Iterable
+from typing import Any
+
+MAX_NAMES = 12
+MAX_VALUE = 60
+
+
+def shown(names: Iterable[str]) -> str:
+    """Names in a row, the first dozen of them."""
+    listed = list(names)
+    text = ", ".join(listed[:MAX_NAMES])[:160]
+    return text + (f", ... ({len(listed)} in all)" if len(listed) > MAX_NAMES else "")
+
+
+def value(given: Any) -> str:
+    """A value as Python writes it, shortened."""
+    text = repr(given)
+    return text if len(text) <= MAX_VALUE else text[: MAX_VALUE - 3] + "..."
