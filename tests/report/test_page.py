@@ -228,7 +228,7 @@ def test_both_themes_are_in_it(html):
 
 
 def test_a_hundred_tracks_are_below_ten_megabytes(fleet_page):
-    assert len(fleet_page.encode()) < 8 * MEGABYTE
+    assert len(fleet_page.encode()) < 5 * MEGABYTE
     document = Document(fleet_page)
     assert len(document.find("input", type="checkbox")) == 100
     checked = [e for e in document.find("input", type="checkbox") if "checked" in e[1]]

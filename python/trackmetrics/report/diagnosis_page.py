@@ -7,11 +7,12 @@ inside it; the browser unpacks and builds them when a track is opened.
 import base64
 import gzip
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from trackmetrics._format import number, p_value
+from trackmetrics._progress import with_progress
 from trackmetrics.diagnostics import Diagnosis
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
@@ -44,6 +45,7 @@ def render_page(
     *,
     title: str = "Estimator diagnosis",
     held_out: Mapping[str, HeldOut] | None = None,
+    progress: bool = False,
 ) -> str:
     """The diagnosis as one HTML file: overview, comparison, and each track in full.
 
@@ -63,6 +65,9 @@ def render_page(
     held_out
         The result of :func:`trackmetrics.vessel.predictive_nis`: adds a section about the reports
         that the filter was not given.
+    progress
+        Whether a bar on standard error counts the tracks, if this takes longer than a second
+        (needs the extra ``progress``).
 
     Returns
     -------
@@ -95,7 +100,7 @@ def render_page(
         shown=SHOWN,
         block_size=BLOCK,
         forms=FORMS,
-        blocks=_blocks(views, comparison),
+        blocks=_blocks(views, comparison, progress),
         comparison=_compressed(_json(draw_plotly.figure(comparison.scene(()))).encode()),
         plotly=_compressed(plotly.encode()),
         plotly_licence=plotly[: plotly.index("*/")].removeprefix("/**").strip(),
@@ -111,9 +116,10 @@ def write_page(
     *,
     title: str = "Estimator diagnosis",
     held_out: Mapping[str, HeldOut] | None = None,
+    progress: bool = False,
 ) -> None:
     """Write :func:`render_page` to a file."""
-    html = render_page(diagnosis, log, title=title, held_out=held_out)
+    html = render_page(diagnosis, log, title=title, held_out=held_out, progress=progress)
     Path(path).write_text(html, encoding="utf-8")
 
 
@@ -139,11 +145,12 @@ def _row(index: int, view: TrackView) -> dict[str, Any]:
     }
 
 
-def _blocks(views: list[TrackView], comparison: Comparison) -> list[str]:
+def _blocks(views: list[TrackView], comparison: Comparison, progress: bool) -> list[str]:
     """The figures and tables of the tracks, compressed in blocks of ``BLOCK`` tracks."""
-    return [
-        _compressed(_block(views[i : i + BLOCK], comparison)) for i in range(0, len(views), BLOCK)
-    ]
+    blocks: Iterable[list[TrackView]] = [views[i : i + BLOCK] for i in range(0, len(views), BLOCK)]
+    if progress:
+        blocks = with_progress(blocks, "drawing", -(-len(views) // BLOCK), f"x {BLOCK} tracks")
+    return [_compressed(_block(block, comparison)) for block in blocks]
 
 
 def _block(views: list[TrackView], comparison: Comparison) -> bytes:

@@ -6,15 +6,21 @@ data.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from functools import lru_cache
-from html import escape
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from trackmetrics.report.arrays import Arrays, PlainArrays
-from trackmetrics.report.axes import log_ticks
+from trackmetrics.report.plotly_layout import (
+    Json,
+    axes_of,
+    axis_names,
+    empty_layout,
+    literal,
+    short,
+    title_of,
+)
 from trackmetrics.report.scene import (
     Band,
     ErrorBars,
@@ -30,8 +36,6 @@ from trackmetrics.report.scene import (
     Text,
 )
 from trackmetrics.report.theme import Theme
-
-Json = dict[str, Any]
 
 
 def draw(scene: Scene, theme: Theme) -> Any:
@@ -56,12 +60,12 @@ def figure(scene: Scene, arrays: Arrays | None = None) -> Json:
     """The scene as plotly's data and layout, colours as roles, numbers by ``arrays``."""
     arrays = PlainArrays() if arrays is None else arrays
     data: list[Json] = []
-    layout = _layout(scene)
+    layout = empty_layout(scene)
     first = next((i for i, panel in enumerate(scene.panels) if panel.linked), 0)
     for i, panel in enumerate(scene.panels):
-        x, y = _axis_names(i)
-        layout[f"xaxis{x[1:]}"], layout[f"yaxis{y[1:]}"] = _axes(scene, panel, i, first)
-        layout["annotations"] += _title(scene, panel)
+        x, y = axis_names(i)
+        layout[f"xaxis{x[1:]}"], layout[f"yaxis{y[1:]}"] = axes_of(scene, panel, i, first)
+        layout["annotations"] += title_of(scene, panel)
         for item in panel.primitives:
             _DRAW[type(item)](_Target(panel, x, y, data, layout, arrays), item)
     return {"data": data, "layout": layout}
@@ -97,158 +101,6 @@ class _Target:
     def height(self, y: float) -> float:
         """A value of the y axis as annotations want it; a zero lies below every logarithmic one."""
         return math.log10(max(y, 1e-12)) if self.panel.log else y
-
-
-@lru_cache(4096)
-def literal(text: str) -> str:
-    """Escapes a text so that plotly shows it unchanged.
-
-    Plotly interprets tags, and templates in hover texts; a leading ``@`` would be read as a role.
-    """
-    safe = escape(text, quote=False).replace("%{", "%&#123;")
-    return "&#64;" + safe[1:] if safe.startswith("@") else safe
-
-
-def _axis_names(i: int) -> tuple[str, str]:
-    return (f"x{i + 1}", f"y{i + 1}") if i else ("x", "y")
-
-
-_AXIS: Json = {
-    "gridcolor": "@grid",
-    "linecolor": "@edge",
-    "showline": True,
-    "zeroline": False,
-    "tickfont": {"size": 11},
-    "ticks": "",
-}
-_TEMPLATE: Json = {
-    "layout": {
-        "xaxis": {**_AXIS, "title": {"standoff": 6, "font": {"size": 12}}},
-        "yaxis": {**_AXIS, "title": {"standoff": 8, "font": {"size": 12}}},
-    }
-}
-
-
-def _layout(scene: Scene) -> Json:
-    layout: Json = {
-        "template": _TEMPLATE,
-        "width": scene.width,
-        "height": scene.height,
-        "margin": {"l": 0, "r": 0, "t": 0, "b": 0, "pad": 0},
-        "paper_bgcolor": "@surface",
-        "plot_bgcolor": "@surface",
-        "font": {"family": "system-ui, sans-serif", "size": 12, "color": "@muted"},
-        "hoverlabel": {
-            "bgcolor": "@page",
-            "bordercolor": "@edge",
-            "font": {"color": "@ink"},
-            "namelength": -1,
-        },
-        "hovermode": "closest",
-        "dragmode": "zoom",
-        "showlegend": any(panel.legend for panel in scene.panels),
-        "legend": _legend(scene),
-        "shapes": [],
-        "annotations": [],
-    }
-    for heading in scene.headings:
-        text = _text_at(scene, heading.left, heading.top, heading.text, 12, "@muted")
-        layout["annotations"].append({**text, "yanchor": "bottom"})
-    if scene.title:
-        left = scene.panels[0].bounds.left if scene.panels else 0.0
-        layout["annotations"] += [
-            _text_at(scene, left, 18, f"<b>{literal(scene.title)}</b>", 20, "@ink"),
-            _text_at(scene, left, 46, literal(scene.subtitle).replace("\n", "<br>"), 13, "@muted"),
-        ]
-    return layout
-
-
-def _legend(scene: Scene) -> Json:
-    """Above the right end of the panel that has one."""
-    bounds = next((panel.bounds for panel in scene.panels if panel.legend), None)
-    if bounds is None:
-        return {}
-    return {
-        "orientation": "h",
-        "x": (bounds.left + bounds.width) / scene.width,
-        "xanchor": "right",
-        "y": 1 - (bounds.top - 2) / scene.height,
-        "yanchor": "bottom",
-        "font": {"size": 11.5, "color": "@ink"},
-        "bgcolor": "@surface/0",
-    }
-
-
-def _text_at(scene: Scene, left: float, top: float, text: str, size: float, colour: str) -> Json:
-    return {
-        "text": text,
-        "showarrow": False,
-        "xref": "paper",
-        "yref": "paper",
-        "x": _short(left / scene.width),
-        "y": _short(1 - top / scene.height),
-        "xanchor": "left",
-        "yanchor": "top",
-        "align": "left",
-        "font": {"size": size, "color": colour},
-    }
-
-
-def _title(scene: Scene, panel: Panel) -> list[Json]:
-    if not panel.title:
-        return []
-    text = _text_at(
-        scene, panel.bounds.left, panel.bounds.top - 4, literal(panel.title), 12.5, "@ink"
-    )
-    return [{**text, "yanchor": "bottom"}]
-
-
-def _axes(scene: Scene, panel: Panel, i: int, first: int) -> tuple[Json, Json]:
-    bounds = panel.bounds
-    bottom = 1 - (bounds.top + bounds.height) / scene.height
-    x: Json = {
-        "domain": [
-            _short(bounds.left / scene.width),
-            _short((bounds.left + bounds.width) / scene.width),
-        ],
-        "anchor": _axis_names(i)[1],
-        "showticklabels": bool(panel.x_label),
-        "title": {"text": literal(panel.x_label)},
-    }
-    if panel.x_limits:
-        x["range"] = [_short(v) for v in panel.x_limits]
-    if panel.x_ticks is not None:
-        x |= _named_ticks(panel.x_ticks)
-    if panel.linked and i != first:
-        x["matches"] = _axis_names(first)[0]
-    y = {
-        "domain": [_short(bottom), _short(bottom + bounds.height / scene.height)],
-        "anchor": _axis_names(i)[0],
-        "title": {"text": literal(panel.y_label)},
-        **_y_scale(panel),
-    }
-    return x, y
-
-
-def _y_scale(panel: Panel) -> Json:
-    scale: Json = {"type": "log" if panel.log else "linear"}
-    if panel.y_limits:
-        scale["range"] = [_short(math.log10(v) if panel.log else v) for v in panel.y_limits]
-    ticks = panel.ticks
-    if ticks is None and panel.log and panel.y_limits:
-        ticks = tuple(log_ticks(panel.y_limits))
-    if ticks is not None:
-        scale |= _named_ticks(ticks)
-    elif panel.bounds.height < 150:
-        scale["nticks"] = 5
-    return scale
-
-
-def _named_ticks(ticks: Sequence[tuple[float, str]]) -> Json:
-    return {
-        "tickvals": [_short(v) for v, _ in ticks],
-        "ticktext": [literal(name) for _, name in ticks],
-    }
 
 
 def _hover(target: _Target, name: str) -> str:
@@ -315,14 +167,9 @@ def _rects(target: _Target, item: Rects) -> None:
     ys: list[float | None] = []
     for a, b, c, d in zip(item.left, item.right, item.low, item.high, strict=True):
         gap: list[None] = [None] if xs else []
-        xs += [*gap, *map(_short, (a, b, b, a, a))]
-        ys += [*gap, *map(_short, (c, c, d, d, c))]
+        xs += [*gap, *map(short, (a, b, b, a, a))]
+        ys += [*gap, *map(short, (c, c, d, d, c))]
     _area(target, item, x=xs, y=ys)
-
-
-def _short(value: float) -> float:
-    """A coordinate with as many digits as can be seen."""
-    return float(f"{value:.7g}")
 
 
 def _error_bars(target: _Target, item: ErrorBars) -> None:
@@ -354,23 +201,23 @@ def _level(target: _Target, item: HLine) -> None:
         "yref": target.y,
         "x0": 0,
         "x1": 1,
-        "y0": _short(item.y),
+        "y0": short(item.y),
     }
     if item.top is None:
         line = {"color": f"@{item.colour}", "width": 1, "dash": item.dash}
-        target.shape(type="line", y1=_short(item.y), line=line, **across)
+        target.shape(type="line", y1=short(item.y), line=line, **across)
     else:
         fill = f"@{item.colour}"
-        target.shape(type="rect", y1=_short(item.top), fillcolor=fill, line={"width": 0}, **across)
+        target.shape(type="rect", y1=short(item.top), fillcolor=fill, line={"width": 0}, **across)
 
 
 def _event(target: _Target, item: Event) -> None:
-    ends = {"x0": _short(item.x), "x1": _short(item.x), "y0": 0, "y1": 1}
+    ends = {"x0": short(item.x), "x1": short(item.x), "y0": 0, "y1": 1}
     line = {"color": f"@{item.colour}", "width": 1.4, "dash": item.dash}
     target.shape(type="line", xref=target.x, yref=f"{target.y} domain", line=line, **ends)
     target.annotation(
         text=item.label,
-        x=_short(item.x),
+        x=short(item.x),
         y=1,
         yref=f"{target.y} domain",
         xanchor="right" if item.left else "left",
@@ -384,15 +231,15 @@ def _across(target: _Target, x: float) -> Json:
     """The x position of a text; in fractions of the panel if outside, where plotly hides it."""
     low, high = target.panel.x_limits or (x, x)
     if low <= x <= high:
-        return {"x": _short(x)}
-    return {"x": _short((x - low) / (high - low)), "xref": f"{target.x} domain"}
+        return {"x": short(x)}
+    return {"x": short((x - low) / (high - low)), "xref": f"{target.x} domain"}
 
 
 def _text(target: _Target, item: Text) -> None:
     target.annotation(
         text=f"<b>{literal(item.text)}</b>" if item.bold else literal(item.text),
         **_across(target, item.x),
-        y=_short(target.height(item.y)),
+        y=short(target.height(item.y)),
         yref=target.y,
         xanchor=item.anchor,
         yanchor="bottom" if item.above else "middle",
