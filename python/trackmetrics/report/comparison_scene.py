@@ -78,12 +78,9 @@ def _updates(view: TrackView, quantity: str, limits: Limits) -> list[Primitive]:
     opacity, size = ("0.6", 5.0) if len(values) <= MANY_UPDATES else ("0.3", 3.5)
     primitives: list[Primitive] = []
     shown = on_log_axis(values, limits)
-    for _, symbol, hollow, rows in view.by_measurement_type():
-        chosen = rows & np.isfinite(values)
-        if chosen.any():
-            role = f"{view.style.colour}/{opacity}"
-            name = view.track.track
-            primitives.append(Points(view.minutes, shown, role, symbol, hollow, size, name, chosen))
+    role, name = f"{view.style.colour}/{opacity}", view.track.track
+    for _, symbol, hollow, rows in view.groups_of(values):
+        primitives.append(Points(view.minutes, shown, role, symbol, hollow, size, name, rows))
     return primitives
 
 

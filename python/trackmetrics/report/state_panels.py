@@ -157,11 +157,9 @@ def _measured(view: TrackView, index: int, estimate: Floats) -> list[Points]:
     if period is not None:
         z = wrap_near(z, np.where(np.isfinite(estimate), estimate, z), period)
     points = []
-    for kind, symbol, hollow, rows in view.by_measurement_type():
-        chosen = rows & seen
-        if chosen.any():
-            name = f"measured, {kind}"
-            points.append(Points(view.minutes, z, "ink", symbol, hollow, 4.5, name, chosen))
+    for kind, symbol, hollow, rows in view.groups_of(z):
+        name = f"measured, {kind}"
+        points.append(Points(view.minutes, z, "ink", symbol, hollow, 4.5, name, rows))
     return points
 
 
@@ -250,12 +248,10 @@ def _beyond(view: TrackView, ratio: Floats) -> list[Primitive]:
 
 def _points(view: TrackView, values: Floats, size: float) -> list[Primitive]:
     primitives: list[Primitive] = []
-    for kind, symbol, hollow, rows in view.by_measurement_type():
-        chosen = rows & np.isfinite(values)
-        if chosen.any():
-            colour = view.style.colour
-            points = Points(view.minutes, values, colour, symbol, hollow, size, kind, chosen)
-            primitives.append(points)
+    colour = view.style.colour
+    for kind, symbol, hollow, rows in view.groups_of(values):
+        points = Points(view.minutes, values, colour, symbol, hollow, size, kind, rows)
+        primitives.append(points)
     return primitives
 
 

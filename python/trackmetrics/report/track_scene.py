@@ -88,11 +88,11 @@ def _with_time_label(view: TrackView, panel: Panel) -> Panel:
 def _quantity_panel(view: TrackView, verdict: QuantityVerdict, bounds: Bounds) -> Panel:
     """NIS or NEES per degree of freedom with the 95 % interval of a consistent filter."""
     values, dof = view.per_dof(verdict.quantity)
-    low, high = _distributions.chi2_interval(dof, COVERAGE)
+    low, high = _interval(dof)
     edges = [edge for s in verdict.segments for edge in s.interval if np.isfinite(edge)]
     events = _events(view, verdict)
     names = max((event.row + 1 for event in events), default=0)
-    limits = log_limits([values, low / dof, high / dof, floats(edges)], names=names)
+    limits = log_limits([values, low, high, floats(edges)], names=names)
     primitives = [
         *_chi_square_band(view, dof, bounds.width),
         HLine(1.0, "muted/0.8"),
@@ -120,12 +120,18 @@ def _chi_square_band(view: TrackView, dof: Floats, pixels: float) -> list[Primit
     known = np.isfinite(dof)
     if not known.any():
         return []
-    low, high = _distributions.chi2_interval(dof, COVERAGE)
-    low, high = low / dof, high / dof
+    low, high = _interval(dof)
     if len(set(dof[known])) == 1:
         return [HLine(float(np.nanmin(low)), "band/0.22", top=float(np.nanmax(high)))]
     width = float(np.clip(0.5 * pixels / known.sum(), 1.5, 7.0))
     return [ErrorBars(view.minutes, low, high, "band/0.32", round(width, 1), "95 % interval")]
+
+
+def _interval(dof: Floats) -> tuple[Floats, Floats]:
+    """The chi-square interval of each update per degree of freedom; few of them differ."""
+    different, of_update = np.unique(dof, return_inverse=True)
+    low, high = _distributions.chi2_interval(different, COVERAGE)
+    return (low / different)[of_update], (high / different)[of_update]
 
 
 def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:
@@ -149,13 +155,11 @@ def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:
 def _points(view: TrackView, values: Floats, limits: Limits) -> list[Primitive]:
     primitives: list[Primitive] = []
     shown = on_log_axis(values, limits)
-    for kind, symbol, hollow, rows in view.by_measurement_type():
-        rows = rows & np.isfinite(values)
-        if rows.any():
-            name = f"{kind}, tentative" if hollow else kind
-            colour = view.style.colour
-            points = Points(view.minutes, shown, colour, symbol, hollow, 6.5, name, rows)
-            primitives.append(points)
+    colour = view.style.colour
+    for kind, symbol, hollow, rows in view.groups_of(values):
+        name = f"{kind}, tentative" if hollow else kind
+        points = Points(view.minutes, shown, colour, symbol, hollow, 6.5, name, rows)
+        primitives.append(points)
     return primitives
 
 

@@ -127,6 +127,14 @@ class TrackView:
         """Groups of rows by type and status: name, symbol, whether tentative, mask of rows."""
         return self._groups
 
+    def groups_of(self, values: Floats) -> list[tuple[str, str, bool, Any]]:
+        """As :meth:`by_measurement_type`, restricted to the rows in which ``values`` are finite."""
+        known = np.isfinite(values)
+        if known.all():
+            return self._groups
+        found = [(*group, rows & known) for *group, rows in self._groups]
+        return [(kind, symbol, hollow, rows) for kind, symbol, hollow, rows in found if rows.any()]
+
     @cached_property
     def _groups(self) -> list[tuple[str, str, bool, Any]]:
         if self.rows is None:
