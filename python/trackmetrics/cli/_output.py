@@ -138,5 +138,5 @@ def write_diagnosis_page(output: Output, path: str, *args: Any, **kwargs: Any) -
     """Writes the page of a diagnosis."""
     from trackmetrics.report import write_page
 
-    write_page(path, *args, **kwargs)
+    write_page(path, *args, **kwargs, progress=True)
     output.message(f"wrote {path} ({Path(path).stat().st_size / 1e6:.1f} MB)")
