@@ -1,4 +1,4 @@
-"""How long a diagnosis takes: a fleet of tracks, against the NumPy reference; the parts by themselves.
+"""How long a diagnosis takes: a fleet of tracks, against the NumPy reference; parts alone.
 
 python benches/bench_diagnostics.py            # prints a table
 python benches/bench_diagnostics.py --save     # and writes benches/results/diagnostics.json
@@ -35,7 +35,7 @@ def with_reference(log: EstimatorLog) -> None:
 
 
 def check(log: EstimatorLog) -> None:
-    """A tenth late, the rest consistent but for a false alarm here and there; the same on the reference."""
+    """A tenth late, the rest consistent but for some false alarms; the same on the reference."""
     found = diagnose(log)
     verdicts = [track.verdict for track in found.values()]
     late = [v == "late_divergence" for v in verdicts]

@@ -13,7 +13,7 @@ PACKAGES = ("", "consistency", "point_sets", "trajectories", "tracking", "tracks
 PACKAGES += ("diagnostics", "monte_carlo", "vessel", "report")
 HEAD = """# Every public name
 
-Made from the documentation of the code by `python tools/api_index.py`; `help(name)` shows the whole.
+Made from the documentation of the code by `python tools/api_index.py`; `help(name)` shows more.
 Names of the top level are not repeated below it.
 """
 
