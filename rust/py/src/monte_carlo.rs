@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use trackmetrics_core::monte_carlo::batch::Batch;
 use trackmetrics_core::monte_carlo::consistency::{self as kernel, Levels};
-use trackmetrics_core::monte_carlo::{histogram, tree};
+use trackmetrics_core::monte_carlo::{histogram, pairwise_tree};
 
 /// Sums over the canonical nodes of a batch of runs `(runs, columns)`.
 #[pyfunction]
@@ -16,7 +16,8 @@ pub(crate) fn run_sums<'py>(
     first_run: u64,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let [_, columns] = values.shape;
-    let sums = py.detach(|| tree::run_sums(values.values, columns, first_run)).map_err(raise)?;
+    let sums =
+        py.detach(|| pairwise_tree::run_sums(values.values, columns, first_run)).map_err(raise)?;
     let nodes = sums.len().checked_div(columns).unwrap_or(0);
     PyArray1::from_vec(py, sums).reshape([nodes, columns])
 }

@@ -18,7 +18,7 @@
 //! Cost: O(n^2 m log(n C / epsilon)) for costs of at most C.
 
 use super::bottleneck;
-use super::columns::{Columns, two_lowest};
+use super::column_search::{Columns, two_lowest};
 use super::dense::{Goal, PATIENCE, check_costs, turn};
 use crate::error::{Error, Result};
 use crate::interrupt::Interrupt;

@@ -15,7 +15,7 @@
 //!
 //! Cost: about linear in the number of pairs while rows have a few each.
 
-use crate::assignment::exchange::{Graph, TOLERANCE};
+use crate::assignment::alternating_cycle::{Graph, TOLERANCE};
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use std::cmp::Ordering;

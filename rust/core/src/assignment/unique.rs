@@ -15,8 +15,8 @@
 //!
 //! Cost: one pass over the costs.
 
-use super::columns::each_vector;
-use super::paths::Matching;
+use super::augmenting_paths::Matching;
+use super::column_search::each_vector;
 use pulp::Simd;
 
 const NONE: usize = usize::MAX;

@@ -1,18 +1,17 @@
 //! Distances between finite sets of points.
 
+mod assignment_order;
+mod cell_grid;
+pub mod cost_source;
 pub mod cutoff;
 pub mod distances;
-mod extreme;
-pub mod frames;
+mod gated_matching;
 pub mod gospa;
-mod large;
-mod lowest;
-mod matching;
-mod near;
 pub mod ospa;
-mod pairs;
 pub mod results;
 mod rows;
-pub mod sets;
+mod scaled_ospa;
+mod sparse_matching;
 mod tiny;
 mod unique;
+pub mod workspace;

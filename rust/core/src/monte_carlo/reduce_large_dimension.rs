@@ -1,9 +1,9 @@
 //! States of more numbers than the lanes factor: one run, step by step.
 
 use super::batch::Batch;
-use super::columns::{FORM_COLUMNS, decibels, wrap};
-use super::group::{Group, Output};
+use super::elementwise::{FORM_COLUMNS, decibels, wrap};
 use super::histogram::{BINS, bin};
+use super::run_block::{Group, Output};
 use crate::error::Result;
 
 /// Fills the row and the sums of the only run of the group, and counts.

@@ -3,8 +3,8 @@
 //! Long sums are added in blocks, each with several partial sums in every lane: faster than one
 //! after the other, and closer to the exact sum.
 
-use crate::lanes::{self, Load, WithLanes, store};
 use crate::simd;
+use crate::simd::transpose::{self, Load, WithLanes, store};
 use pulp::{Simd, WithSimd};
 
 /// Elements that are added before their sum joins the total.
@@ -16,7 +16,7 @@ pub(crate) fn sum(values: &[f64]) -> f64 {
 }
 
 /// The sum of the squared differences, or of the squares where there is no `second`.
-pub(super) fn squares(first: &[f64], second: Option<&[f64]>) -> f64 {
+pub(crate) fn squares(first: &[f64], second: Option<&[f64]>) -> f64 {
     let part = |(from, to)| {
         let second = second.map(|values| &values[from..to]);
         simd::dispatch(Squares { first: &first[from..to], second })
@@ -79,7 +79,7 @@ fn reduced<S: Simd>(simd: S, sums: [S::f64s; 4]) -> f64 {
 }
 
 /// Adds the squared difference of every element to its place in `output`.
-pub(super) fn add_squares(first: &[f64], second: Option<&[f64]>, output: &mut [f64]) {
+pub(crate) fn add_squares(first: &[f64], second: Option<&[f64]>, output: &mut [f64]) {
     simd::dispatch(AddSquares { first, second, output });
 }
 
@@ -115,17 +115,17 @@ fn add(errors: impl Iterator<Item = f64>, output: &mut [f64]) {
 }
 
 /// The sum of squared differences of each short row, where rows are of one to nine elements.
-pub(super) fn short_rows(width: usize, first: &[f64], second: Option<&[f64]>, output: &mut [f64]) {
+pub(crate) fn short_rows(width: usize, first: &[f64], second: Option<&[f64]>, output: &mut [f64]) {
     match width {
-        1 => lanes::dispatch(Rows::<1> { first, second, output }),
-        2 => lanes::dispatch(Rows::<2> { first, second, output }),
-        3 => lanes::dispatch(Rows::<3> { first, second, output }),
-        4 => lanes::dispatch(Rows::<4> { first, second, output }),
-        5 => lanes::dispatch(Rows::<5> { first, second, output }),
-        6 => lanes::dispatch(Rows::<6> { first, second, output }),
-        7 => lanes::dispatch(Rows::<7> { first, second, output }),
-        8 => lanes::dispatch(Rows::<8> { first, second, output }),
-        9 => lanes::dispatch(Rows::<9> { first, second, output }),
+        1 => transpose::dispatch(Rows::<1> { first, second, output }),
+        2 => transpose::dispatch(Rows::<2> { first, second, output }),
+        3 => transpose::dispatch(Rows::<3> { first, second, output }),
+        4 => transpose::dispatch(Rows::<4> { first, second, output }),
+        5 => transpose::dispatch(Rows::<5> { first, second, output }),
+        6 => transpose::dispatch(Rows::<6> { first, second, output }),
+        7 => transpose::dispatch(Rows::<7> { first, second, output }),
+        8 => transpose::dispatch(Rows::<8> { first, second, output }),
+        9 => transpose::dispatch(Rows::<9> { first, second, output }),
         _ => {}
     }
 }

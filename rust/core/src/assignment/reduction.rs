@@ -6,8 +6,8 @@
 //! augmenting row reduction. The latter creeps by ever smaller amounts where many costs are close,
 //! as they are between points: it gets as many looks at a row as there are rows, and no more.
 
-use super::columns::{each_vector, two_lowest};
-use super::paths::Matching;
+use super::augmenting_paths::Matching;
+use super::column_search::{each_vector, two_lowest};
 use crate::simd::lower;
 use pulp::Simd;
 

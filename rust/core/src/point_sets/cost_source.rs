@@ -1,8 +1,8 @@
 //! Two sets of which only distances count: points, or a ready matrix.
 
+use super::cell_grid::{LARGEST_DIMENSION, Near};
 use super::cutoff::Cutoff;
 use super::distances::check_dimensions;
-use super::near::{LARGEST_DIMENSION, Near};
 use super::rows::{Axes, Nearest, write_costs};
 use super::tiny;
 use crate::error::{Error, Result};

@@ -5,12 +5,9 @@
 //! number comes from the same operations in the same order (and never from a fused one), so that
 //! its bits do not depend on the width.
 
-use crate::simd::{LANE, lower, raise};
+use crate::simd::{LANE, MAX_LANES, lower, raise};
 use pulp::Simd;
 use std::ops::{Deref, DerefMut};
-
-/// The widest vector unit's number of lanes: arrays are padded to a multiple of it.
-const LANES: usize = 8;
 
 /// One number of each kind for each column.
 #[derive(Debug, Default)]
@@ -28,7 +25,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Starts afresh with `columns` columns; all but the duals are the caller's to write.
     pub fn reset(&mut self, columns: usize) {
-        let padded = columns.next_multiple_of(LANES);
+        let padded = columns.next_multiple_of(MAX_LANES);
         for values in [&mut self.dual, &mut self.distance, &mut self.via, &mut self.rank] {
             values.resize(padded);
         }
@@ -72,10 +69,10 @@ pub(super) struct Aligned {
 impl Aligned {
     fn resize(&mut self, length: usize) {
         const LINE: usize = 64;
-        if self.values.len() < length + LANES {
-            self.values.resize(length + LANES, 0.0);
+        if self.values.len() < length + MAX_LANES {
+            self.values.resize(length + MAX_LANES, 0.0);
         }
-        self.first = self.values.as_ptr().align_offset(LINE).min(LANES);
+        self.first = self.values.as_ptr().align_offset(LINE).min(MAX_LANES);
         self.length = length;
     }
 }

@@ -5,10 +5,8 @@
 //! without fused operations: the same bits on every machine.
 
 use crate::points::Points;
+use crate::simd::MAX_LANES;
 use pulp::Simd;
-
-/// Rows are padded to a multiple of the widest vector, so that the layout is the same everywhere.
-const PADDING: usize = 8;
 
 /// A matrix of distances, and what the next can use again.
 #[derive(Default)]
@@ -25,7 +23,7 @@ impl Distances {
     #[inline(always)]
     pub(super) fn fill<S: Simd>(&mut self, simd: S, rows: Points, columns: Points) {
         self.columns = columns.len();
-        self.stride = columns.len().next_multiple_of(PADDING);
+        self.stride = columns.len().next_multiple_of(MAX_LANES);
         self.lay_out(columns);
         self.values.resize(rows.len() * self.stride, 0.0);
         self.least.clear();

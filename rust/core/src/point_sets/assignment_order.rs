@@ -5,12 +5,12 @@
 //! `linear_sum_assignment` finds in the matrix of these costs is taken: its order is known to
 //! users and is the same on every machine. The fast matching is used where it is the only one.
 
+use super::cell_grid::check_memory;
+use super::cost_source::Sets;
 use super::cutoff::Cutoff;
-use super::frames::Workspace;
-use super::large;
-use super::near::check_memory;
 use super::results::Pair;
-use super::sets::Sets;
+use super::sparse_matching;
+use super::workspace::Workspace;
 use crate::assignment::bottleneck;
 use crate::assignment::dense::{self, Goal};
 use crate::error::Result;
@@ -37,8 +37,8 @@ pub(super) fn least_total<S: Simd>(
         by_hand(sets, cutoff, work, pairs, interrupt)?;
         return Ok(sum(sets, cutoff, pairs));
     }
-    if m.max(n) >= large::SMALLEST {
-        let has_ties = large::solve(sets, cutoff, interrupt, |large| {
+    if m.max(n) >= sparse_matching::SMALLEST {
+        let has_ties = sparse_matching::solve(sets, cutoff, interrupt, |large| {
             pairs.extend(large.pairs());
             large.has_ties((m, n))
         })?;
@@ -154,8 +154,8 @@ fn keep_near(sets: impl Sets, cutoff: &Cutoff, columns: &[usize], pairs: &mut Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::point_sets::cost_source::Euclidean;
     use crate::point_sets::gospa::gospa;
-    use crate::point_sets::sets::Euclidean;
     use crate::points::Points;
     use crate::simd::{Width, set_width};
 

@@ -9,7 +9,7 @@
 //!
 //! Cost: two additions a run and column; memory: at most 2 log2 N rows.
 
-use super::columns::Add;
+use super::elementwise::Add;
 use crate::error::{Error, Result};
 use crate::{simd, threads};
 use std::ops::Range;

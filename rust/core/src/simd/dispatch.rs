@@ -51,8 +51,12 @@ pub fn dispatch<Op: WithSimd>(operation: Op) -> Op::Output {
     operation.with_simd(pulp::Scalar::new())
 }
 
+/// The lanes of the widest vector unit: arrays are padded to a multiple of it, so that their layout
+/// does not depend on the machine.
+pub(crate) const MAX_LANES: usize = 8;
+
 /// The numbers of the lanes.
-pub(crate) const LANE: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+pub(crate) const LANE: [f64; MAX_LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Lowers one of many numbers.
 ///

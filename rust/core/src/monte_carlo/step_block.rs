@@ -1,11 +1,12 @@
 //! As many steps as a vector has lanes, of `R` runs with `D` states: what is added up and counted.
 
 use super::batch::Batch;
-use super::columns::{FORM_COLUMNS, STATE_COLUMNS, decibels, wrap};
-use super::group::Group;
+use super::elementwise::{FORM_COLUMNS, STATE_COLUMNS, decibels, wrap};
 use super::histogram::{BINS, bin};
-use crate::consistency::lanes::Block;
-use crate::lanes::{Load, MOST, lanes, store};
+use super::run_block::Group;
+use crate::consistency::batched_ldl::Block;
+use crate::simd::MAX_LANES;
+use crate::simd::transpose::{Load, lanes, store};
 use pulp::{Simd, bytemuck};
 
 /// Starts a cache line: a vector across two lines costs twice.
@@ -200,7 +201,7 @@ impl<S: Simd, const D: usize, const R: usize> Tile<S, D, R> {
 
 /// For each run the number of steps that counted, the sum of q, and of the squares of each state.
 ///
-/// Over steps that are `MOST` apart first, so that the order is the same for every width.
+/// Over steps that are `MAX_LANES` apart first, so that the order is the same for every width.
 pub(super) struct RunSums<S: Simd, const D: usize, const R: usize> {
     /// For each run and part of the steps.
     forms: Vec<[S::f64s; 2]>,
@@ -208,7 +209,7 @@ pub(super) struct RunSums<S: Simd, const D: usize, const R: usize> {
 }
 
 impl<S: Simd, const D: usize, const R: usize> RunSums<S, D, R> {
-    const PARTS: usize = MOST / S::F64_LANES;
+    const PARTS: usize = MAX_LANES / S::F64_LANES;
 
     #[inline(always)]
     pub(super) fn new(simd: S) -> Self {
@@ -218,7 +219,7 @@ impl<S: Simd, const D: usize, const R: usize> RunSums<S, D, R> {
 
     #[inline(always)]
     pub(super) fn add(&mut self, simd: S, tile: &Tile<S, D, R>) {
-        let (zero, part) = (simd.splat_f64s(0.0), tile.step % MOST / S::F64_LANES);
+        let (zero, part) = (simd.splat_f64s(0.0), tile.step % MAX_LANES / S::F64_LANES);
         for run in 0..R {
             let counted = tile.counted[run];
             let [count, form] = &mut self.forms[run * Self::PARTS + part];

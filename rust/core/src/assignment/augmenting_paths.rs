@@ -5,8 +5,8 @@
 //! then the last of those. Here all columns stand in their natural order, for the lanes; a rank
 //! says where in that list a column would be, and the minima are told apart by it.
 
-use super::columns::{Columns, Largest, Step, Sum, Vectors};
-use super::columns::{begin, close, lowest_rank, relax, rerank};
+use super::column_search::{Columns, Largest, Step, Sum, Vectors};
+use super::column_search::{begin, close, lowest_rank, relax, rerank};
 use crate::error::{Error, Result};
 use crate::simd::small_integer;
 use pulp::Simd;

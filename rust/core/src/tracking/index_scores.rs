@@ -19,7 +19,7 @@
 //! order of the coordinates, without fused operations. Cost: O(n m) for a frame in which every point
 //! has a nearest partner of its own, the dense assignment otherwise.
 
-use super::distances::Distances;
+use super::euclidean_matrix::Distances;
 use crate::assignment::dense;
 use crate::error::{Error, Result};
 use crate::points::{Frames, Points};

@@ -1,6 +1,6 @@
 //! What the metrics share that look at frame after frame of two sequences.
 
-use super::matching;
+use super::gated_matching;
 use crate::assignment::dense;
 use crate::error::{Error, Result};
 use crate::points::Frames;
@@ -11,7 +11,7 @@ pub(super) const FRAMES_BETWEEN_CHECKS: usize = 64;
 /// What one frame needs and the next frame can use again.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    pub(super) matching: matching::Workspace,
+    pub(super) matching: gated_matching::Workspace,
     pub(super) exact: dense::Workspace,
 }
 

@@ -3,14 +3,14 @@
 //! Right-looking: as soon as a column is finished, it is subtracted from what is right of it. The
 //! residual rides along as one more row, so that the factor is never stored. Lanes whose covariance
 //! is not clearly positive definite, not symmetric or not finite come out as NaN, and are left to
-//! [`Judge`](super::judge::Judge).
+//! [`Judge`](super::checked_ldl::Judge).
 
 // The indices are those of the formula: rows and columns of a triangle.
 #![allow(clippy::needless_range_loop)]
 
-use super::judge::doubtful_pivot;
-use crate::lanes::{Load, WithLanes, store};
+use super::checked_ldl::doubtful_pivot;
 use crate::simd::Width;
+use crate::simd::transpose::{Load, WithLanes, store};
 use pulp::Simd;
 
 /// Which covariance belongs to a residual.

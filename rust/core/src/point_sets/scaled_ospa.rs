@@ -5,10 +5,10 @@
 //! pairs, whatever the order: what is far below 1 is lost without loss, and what is above the
 //! number of pairs is never chosen.
 
+use super::cell_grid::check_memory;
+use super::cost_source::Sets;
 use super::cutoff::Cutoff;
-use super::near::check_memory;
 use super::results::Ospa;
-use super::sets::Sets;
 use crate::assignment::bottleneck;
 use crate::assignment::dense::{self, Goal};
 use crate::error::Result;

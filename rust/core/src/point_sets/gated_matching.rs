@@ -13,14 +13,15 @@
 //!
 //! Cost: O(rows x columns) and as much again for each conflict and each row on its path.
 
+use super::cost_source::Sets;
 use super::cutoff::Cutoff;
-use super::lowest::Lowest;
 use super::results::Pair;
-use super::rows::{Axes, Nearest, PADDING};
-use super::sets::Sets;
-use crate::assignment::exchange::Graph;
+use super::rows::{Axes, Nearest};
+use crate::assignment::alternating_cycle::Graph;
 use crate::error::Result;
 use crate::interrupt::Interrupt;
+use crate::simd::MAX_LANES;
+use crate::simd::argmin::Lowest;
 use crate::simd::{lower, raise};
 use pulp::Simd;
 use std::cmp::Ordering;
@@ -86,7 +87,7 @@ impl Workspace {
     #[inline(always)]
     pub(super) fn start(&mut self, rows: usize, columns: usize) {
         self.rows = rows;
-        self.stride = columns.next_multiple_of(PADDING);
+        self.stride = columns.next_multiple_of(MAX_LANES);
         if self.costs.len() < rows * self.stride {
             self.costs.resize(rows * self.stride, 0.0);
         }

@@ -4,10 +4,10 @@
 //! Whether there are ties is said; above some thousand points, where SciPy's matrix would take
 //! seconds or not fit, they fall as the sparse solver meets them.
 
+use super::cell_grid::{Near, check_memory};
+use super::cost_source::Sets;
 use super::cutoff::Cutoff;
-use super::near::{Near, check_memory};
 use super::results::Pair;
-use super::sets::Sets;
 use crate::assignment::sparse::{self, Matching, NONE};
 use crate::error::Result;
 use crate::interrupt::Interrupt;

@@ -1,6 +1,6 @@
 //! The columns of a run: elementwise work on as many of its steps as there are lanes.
 
-use crate::lanes::lanes;
+use crate::simd::transpose::lanes;
 use pulp::{Simd, WithSimd, bytemuck};
 
 /// Columns of each step that do not belong to one state.

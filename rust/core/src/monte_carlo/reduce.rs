@@ -6,18 +6,16 @@
 //! comes out has the same bits for every width of the vectors, and as if each run had been a group of
 //! its own.
 
-use super::batch::Batch;
-use super::consistency::Levels;
 use super::histogram::BINS;
-use super::large;
-use super::tile::{RunSums, Tile};
-use crate::consistency::lanes::{Block, widest};
+use super::reduce_large_dimension;
+use super::run_block::{Group, Output};
+use super::step_block::{RunSums, Tile};
+use crate::consistency::batched_ldl::{Block, widest};
 use crate::consistency::quadratic_form::SYMMETRY;
 use crate::error::Result;
-use crate::lanes::{Load, WithLanes, dispatch};
 use crate::simd::Width;
+use crate::simd::transpose::{Load, WithLanes, dispatch};
 use pulp::Simd;
-use std::ops::Range;
 
 /// The most runs of a group: more do not stay in the innermost cache.
 const MOST_RUNS: usize = 4;
@@ -32,61 +30,19 @@ pub(super) fn runs_together(start: u64, stop: u64, dimension: usize) -> usize {
     1 << level
 }
 
-/// Runs whose number is a power of two, and the first a multiple of it.
-#[derive(Clone, Copy)]
-pub(super) struct Group<'a> {
-    pub(super) batch: &'a Batch<'a>,
-    /// The place of the first run in the batch.
-    pub(super) first: usize,
-    /// How many runs.
-    pub(super) runs: usize,
-    pub(super) levels: &'a Levels<'a>,
-}
-
-/// What is written of a group.
-pub(super) struct Output<'a> {
-    /// The sums over its runs, columns by steps.
-    pub(super) row: &'a mut [f64],
-    /// For each run: steps that counted, the sum of q, and the sums of squares.
-    pub(super) of_runs: &'a mut [f64],
-    /// Added to: for each step the runs that counted, then those under each threshold.
-    pub(super) counts: &'a mut [i64],
-    /// Added to: for each step the bins.
-    pub(super) histogram: &'a mut [i64],
-}
-
-impl Group<'_> {
-    /// Fills the row and the sums of the runs, and counts.
-    pub(super) fn reduce(self, output: Output<'_>) -> Result<()> {
-        match self.batch.dimension() {
-            1 => dispatch(Small::<1>(self, output)),
-            2 => dispatch(Small::<2>(self, output)),
-            3 => dispatch(Small::<3>(self, output)),
-            4 => dispatch(Small::<4>(self, output)),
-            5 => dispatch(Small::<5>(self, output)),
-            6 => dispatch(Small::<6>(self, output)),
-            7 => dispatch(Small::<7>(self, output)),
-            8 => dispatch(Small::<8>(self, output)),
-            9 => dispatch(Small::<9>(self, output)),
-            _ => large::reduce(&self, output),
-        }
-    }
-
-    /// The place of a step among all of the batch.
-    #[inline(always)]
-    pub(super) fn place(&self, run: usize, step: usize) -> usize {
-        (self.first + run) * self.batch.steps + step
-    }
-
-    /// What the same run, or its successor in the next group, gives to the lanes next.
-    #[inline(always)]
-    pub(super) fn next(&self, run: usize, step: usize, lanes: usize) -> Range<usize> {
-        let ahead = match step + lanes < self.batch.steps {
-            true => self.place(run, step + lanes),
-            false => self.place(run + self.runs, 0),
-        };
-        let all = self.batch.runs * self.batch.steps;
-        ahead.min(all)..(ahead + lanes).min(all)
+/// Fills the row and the sums of the runs of a group, and counts.
+pub(super) fn reduce(group: Group<'_>, output: Output<'_>) -> Result<()> {
+    match group.batch.dimension() {
+        1 => dispatch(Small::<1>(group, output)),
+        2 => dispatch(Small::<2>(group, output)),
+        3 => dispatch(Small::<3>(group, output)),
+        4 => dispatch(Small::<4>(group, output)),
+        5 => dispatch(Small::<5>(group, output)),
+        6 => dispatch(Small::<6>(group, output)),
+        7 => dispatch(Small::<7>(group, output)),
+        8 => dispatch(Small::<8>(group, output)),
+        9 => dispatch(Small::<9>(group, output)),
+        _ => reduce_large_dimension::reduce(&group, output),
     }
 }
 

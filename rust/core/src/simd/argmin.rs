@@ -5,7 +5,7 @@ use pulp::Simd;
 
 /// The least of many numbers below a bound, and the first place where it stands.
 #[derive(Clone, Copy)]
-pub(super) struct Lowest<S: Simd> {
+pub(crate) struct Lowest<S: Simd> {
     value: S::f64s,
     /// Where each lane's least value stands.
     place: S::f64s,
@@ -15,7 +15,7 @@ pub(super) struct Lowest<S: Simd> {
 
 impl<S: Simd> Lowest<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, bound: f64) -> Self {
+    pub(crate) fn new(simd: S, bound: f64) -> Self {
         let first = S::as_simd_f64s(&LANE).0[0];
         Self {
             value: simd.splat_f64s(bound),
@@ -27,7 +27,7 @@ impl<S: Simd> Lowest<S> {
 
     /// Looks at the next vector of numbers.
     #[inline(always)]
-    pub(super) fn take(&mut self, simd: S, values: S::f64s) {
+    pub(crate) fn take(&mut self, simd: S, values: S::f64s) {
         let less = simd.less_than_f64s(values, self.value);
         // Not a selection by `less`: from one vector to the next only this one is waited for.
         self.value = simd.min_f64s(values, self.value);
@@ -37,13 +37,13 @@ impl<S: Simd> Lowest<S> {
 
     /// The least value; the bound where none is below.
     #[inline(always)]
-    pub(super) fn least(&self, simd: S) -> f64 {
+    pub(crate) fn least(&self, simd: S) -> f64 {
         simd.reduce_min_f64s(self.value)
     }
 
     /// The first place of the least value; some place, where none is below the bound.
     #[inline(always)]
-    pub(super) fn place(&self, simd: S, least: f64) -> usize {
+    pub(crate) fn place(&self, simd: S, least: f64) -> usize {
         let here = simd.equal_f64s(self.value, simd.splat_f64s(least));
         let places = simd.select_f64s(here, self.place, simd.splat_f64s(f64::INFINITY));
         small_integer(simd.reduce_min_f64s(places))
