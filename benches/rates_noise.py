@@ -25,7 +25,7 @@ from trackmetrics import vessel
 from trackmetrics.diagnostics import NoiseEstimate, estimate_noise
 from trackmetrics.diagnostics._noise_fit import chi_square_tail, maximise
 from trackmetrics.diagnostics._noise_model import log_model
-from trackmetrics.diagnostics.noise import _factors
+from trackmetrics.diagnostics.noise import ALARM, _factors
 from trackmetrics.logs import EstimatorLog
 
 RESULTS = Path(__file__).parent / "results" / "rates_noise.json"
@@ -121,13 +121,13 @@ def causes(plant: str, updates: int, runs: int, seed: int) -> list[dict[str, Any
         found = estimates(plant, case, updates, runs, seed)
         spent = (time.perf_counter() - start) / runs
         own = {n for n in found[0]._named() if n.startswith(_side(case))} if _side(case) else set()
-        above = [e for e in found if e.p_value < 0.05]
+        above = [e for e in found if e.p_value < ALARM]
         right = sum(bool(e.causes) and set(e.causes) <= own for e in found)
         wrong = sum(bool(set(e.causes) - own) for e in found)
         named_above = sum(bool(e.causes) and set(e.causes) <= own for e in above)
         rows.append(show({
             "plant": plant, "updates": updates, "case": name, "runs": runs,
-            "ratio above 5 % threshold": percent(len(above), runs),
+            "ratio above its threshold": percent(len(above), runs),
             "cause right": percent(right, runs),
             "cause right where above": percent(named_above, len(above)) if above else None,
             "cause wrong": percent(wrong, runs),

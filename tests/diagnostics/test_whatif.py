@@ -71,7 +71,7 @@ def test_claims_that_are_right_change_nothing():
 
 
 def test_an_estimate_is_taken_as_it_is():
-    _, z = measured(4.0, 36.0, 300)
+    _, z = measured(4.0, 36.0, 60)
     log = log_of(run(z)[0])
     estimate = estimate_noise(log)
     found = whatif(log, process=estimate.process, measurement=estimate.measurement)

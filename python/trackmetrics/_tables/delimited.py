@@ -14,6 +14,7 @@ from trackmetrics._tables.polars_columns import polars, to_array
 
 MISSING = ("", "NA", "N/A", "NaN", "nan", "NAN", "null", "NULL", "None", "<NA>", "#N/A")
 """Cells that hold no value."""
+_ROWS_INFERRED = 1000
 _GROUPED = re.compile(r"-?\d{1,3}(?:,\d{3})+(?:\.\d+)?")
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+(?:[eE][+-]?\d+)?")
 
@@ -56,22 +57,40 @@ def _read_fast(
     pl = polars()
     if pl is None or not body.strip():
         return None
-    try:
-        frame = pl.read_csv(
-            io.BytesIO(body),
-            has_header=False,
-            new_columns=names,
-            separator=delimiter,
-            decimal_comma=comma,
-            null_values=list(MISSING),
-            infer_schema_length=None,
-            schema_overrides={f"column_{names.index(n) + 1}": pl.String for n in text},
-        )
-    except pl.exceptions.PolarsError:
+    options = {
+        "has_header": False,
+        "separator": delimiter,
+        "decimal_comma": comma,
+        "null_values": list(MISSING),
+        "schema_overrides": {f"column_{names.index(n) + 1}": pl.String for n in text},
+    }
+    # The first rows tell what a column holds, most often; if a later one differs, all of them.
+    for inferred in (_ROWS_INFERRED, None):
+        try:
+            frame = pl.read_csv(io.BytesIO(body), infer_schema_length=inferred, **options)
+            break
+        except pl.exceptions.PolarsError:
+            continue
+    else:
         return None  # the small reader names the row
     if len(frame.columns) != len(names):
         return None
+    frame.columns = names
+    if frame[names[-1]].null_count() and _has_short_rows(body, delimiter, len(names)):
+        return None  # likewise
     return {name: to_array(frame[name]) for name in names}
+
+
+def _has_short_rows(body: bytes, delimiter: str, cells: int) -> bool:
+    """Whether a row has fewer cells than there are headings."""
+    if b'"' in body:
+        rows = csv.reader(io.StringIO(body.decode()), delimiter=delimiter)
+        return any(row and len(row) != cells for row in rows)
+    bytes_ = np.frombuffer(body.rstrip(b"\r\n") + b"\n", np.uint8)
+    ends = np.flatnonzero(bytes_ == ord("\n"))
+    delimiters = np.searchsorted(np.flatnonzero(bytes_ == ord(delimiter)), ends)
+    is_blank = np.diff(ends, prepend=-1) <= 1 + (bytes_[ends - 1] == ord("\r"))
+    return bool((~is_blank & (np.diff(delimiters, prepend=0) != cells - 1)).any())
 
 
 def _read_small(
@@ -102,7 +121,7 @@ def _from_cells(cells: list[str | None], comma: bool) -> Any:
 
 def _numbers_in_quotes(file: str, name: str, column: Any, text: Collection[str]) -> Any:
     """Quoted numbers with a decimal comma; thousands separators are refused."""
-    if getattr(column, "dtype", None) != object or name in text:
+    if not isinstance(column, np.ndarray) or column.dtype.kind != "O" or name in text:
         return column
     cells = [c for c in column if c is not None]
     if not cells or not all(_DECIMAL_COMMA.fullmatch(c.strip()) or _is_number(c) for c in cells):
@@ -113,11 +132,12 @@ def _numbers_in_quotes(file: str, name: str, column: Any, text: Collection[str])
                     "write it without"
                 )
         return column
-    if all(_GROUPED.fullmatch(c.strip()) for c in cells if "," in c):
+    with_comma = [c for c in cells if "," in c]
+    if with_comma and all(_GROUPED.fullmatch(c.strip()) for c in with_comma):
         row = next(r for r, c in enumerate(column) if c is not None and "," in c)
         raise ValueError(
-            f"{file}, row {row}: {name} is {value(column[row])}: a thousands separator or a decimal "
-            "comma? Write a decimal point"
+            f"{file}, row {row}: {name} is {value(column[row])}: a thousands separator or a "
+            "decimal comma? Write a decimal point"
         )
     return np.array([np.nan if c is None else float(c.replace(",", ".")) for c in column])
 

@@ -54,7 +54,7 @@ def to_seconds(
 
 def _as_array(argument: str, values: Any) -> NDArray[Any]:
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64).filled(np.nan)
+        values = np.ma.filled(values.astype(np.float64), np.nan)
     array: NDArray[Any] = np.asarray(values)
     if array.dtype.kind in "US":
         return array.astype(object)

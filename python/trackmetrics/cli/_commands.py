@@ -3,6 +3,7 @@
 COMMANDS: dict[str, str] = {
     "demo": "simulate, track and diagnose three ships",
     "diagnose": "test whether an estimator is consistent",
+    "tune": "estimate what the noises of an estimator should be",
     "score": "score the boxes of a tracker against the truth",
     "sweep": "run a Monte Carlo sweep, and test its filter",
     "vessel": "track the vessels of a recording of AIS, and diagnose",
@@ -16,9 +17,9 @@ EXTRAS = {
     "matplotlib": "report",
     "narwhals": "frames",
     "plotly": "report",
-    "polars": "frames",
+    "polars": "files",
     "pyais": "ais",
-    "pyarrow": "parquet",
+    "pyulog": "px4",
     "rich": "cli",
 }
 """The extra that installs a library."""

@@ -87,7 +87,7 @@ def command(
     tracker = Tracker(settings)
     _track(tracker, reports.take(used))
     absolute = tracker.log()
-    relative = _since_first_report(absolute, reports)
+    relative = absolute.shifted(-float(reports.time.min()))
     diagnosis = diagnose(relative)
     held_out = None
     if not used.all():
@@ -142,20 +142,3 @@ def _track(tracker: Any, reports: Any) -> None:
     batches = np.array_split(np.arange(len(reports)), max(1, len(reports) // BATCH))
     for batch in with_progress(batches, "tracking", len(batches), "batches"):
         tracker.add(reports.take(batch))
-
-
-def _since_first_report(log: Any, reports: Any) -> Any:
-    """The same log with times since the first report of all."""
-    from trackmetrics.logs import EstimatorLog
-
-    shifted = log.columns.with_(time=log.columns.time - reports.time.min())
-    return EstimatorLog(
-        shifted,
-        log.tracks,
-        log.starts,
-        log.states,
-        log.measurement_angles,
-        log.computed,
-        log.repeated,
-        log.time_unit,
-    )

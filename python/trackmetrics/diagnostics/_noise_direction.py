@@ -18,6 +18,8 @@ from trackmetrics.logs.columns import Columns
 from trackmetrics.logs.log import EstimatorLog
 
 SIGNIFICANT = 0.01
+MOST = 6.0
+"""Normal scores beyond this count as this."""
 
 
 @dataclass(frozen=True)
@@ -30,27 +32,36 @@ class Direction:
 
 
 def direction(log: EstimatorLog) -> Direction:
-    """The direction of all tracks together: squared innovations and correlations are pooled."""
-    squared, dof, score, count, updates = 0.0, 0.0, 0.0, 0, 0
+    """The direction of all tracks together, each with the same weight whatever its size: one lost
+    track does not decide for the others."""
+    sizes, correlations, updates = [], [], 0
     for track in log.tracks:
         own = _innovations(log[track])
         if len(own) < MIN_PAIRS_FOR_CORRELATION:
             continue
-        total, size = own.sums
-        squared, dof, updates = squared + total, dof + size, updates + len(own)
-        found = innovation_correlation(own)
-        if np.isfinite(found.z) and found.p_value < 1:
-            score, count = score + found.z, count + 1
-    if not dof:
+        updates += len(own)
+        squared, dof = own.sums
+        upper = chi_square_tail(squared, int(dof))
+        sizes.append(_score(upper))
+        correlations.append(float(np.clip(innovation_correlation(own).z, -MOST, MOST)))
+    if not sizes:
         return Direction(None, float("nan"), updates)
-    upper = chi_square_tail(squared, int(dof))
-    p_value = min(1.0, 2 * min(upper, 1 - upper))
-    label = "optimistic" if upper < 0.5 else "pessimistic"
-    z = score / max(count, 1) ** 0.5
-    correlated = chi_square_tail(z * z, 1)
-    cause = CAUSES.get((label, int(np.sign(z))))
+    size, z = _combined(sizes), _combined(correlations)
+    p_value, correlated = chi_square_tail(size**2, 1), chi_square_tail(z**2, 1)
+    cause = CAUSES.get(("optimistic" if size > 0 else "pessimistic", int(np.sign(z))))
     significant = p_value < SIGNIFICANT and correlated < SIGNIFICANT
     return Direction(cause if significant else None, p_value, updates)
+
+
+def _score(upper: float) -> float:
+    """The normal score of an upper tail probability, within :data:`MOST`."""
+    from scipy import special
+
+    return float(np.clip(-special.ndtri(min(max(upper, 1e-15), 1 - 1e-15)), -MOST, MOST))
+
+
+def _combined(scores: list[float]) -> float:
+    return float(np.nansum(scores) / len(scores) ** 0.5)
 
 
 def _innovations(columns: Columns) -> Innovations:

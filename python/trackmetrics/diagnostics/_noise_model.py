@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._angles import wrap
+from trackmetrics._covariances import fill_missing_with_identity
 from trackmetrics.diagnostics._noise_fit import ErrorModel, Floats, Integers
+from trackmetrics.diagnostics._noise_groups import grouped
 from trackmetrics.logs.columns import Columns
-from trackmetrics.logs.derived import component_periods, wrapped
+from trackmetrics.logs.derived import component_periods
 from trackmetrics.logs.log import EstimatorLog
-from trackmetrics.logs.validation import completed
 
 NOT_A_COVARIANCE = 1e-6
 """Relative size of a negative eigenvalue above which a derived noise is no covariance."""
@@ -81,7 +83,7 @@ def log_model(
     lengths = [b - a for a, b in pieces]
     starts = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
     innovations = _innovations(columns, H, R)
-    groups, process_names = _groups(log, Q[rows], process, starts)
+    groups, process_names = grouped(log, Q[rows], process, starts)
     periods = component_periods(columns, log.states, log.measurement_angles)
     assert periods is not None
     errors = ErrorModel(
@@ -116,7 +118,7 @@ def _unwrapped(
         nu = columns.innovation[k][there[k]]
         gain = np.linalg.solve(S, h @ P_pred[k]).T
         used = np.abs(corrections[k] - gain @ nu).sum()
-        inside = np.abs(corrections[k] - gain @ wrapped(nu, periods[k][there[k]])).sum()
+        inside = np.abs(corrections[k] - gain @ wrap(nu, periods[k][there[k]])).sum()
         beyond[k] = used <= inside
     return beyond
 
@@ -220,14 +222,16 @@ def _covariances(columns: Columns, H: Floats) -> tuple[Floats, Floats]:
     if columns.R is not None:
         noise = _complete_or_absent(columns.R, there)
         k = np.flatnonzero(~_complete(P_pred) & _complete(P) & noise)
-        gained = _transposed(h[k]) @ np.linalg.solve(completed(columns.R[k], there[k]), h[k])
+        gained = _transposed(h[k]) @ np.linalg.solve(
+            fill_missing_with_identity(columns.R[k], there[k]), h[k]
+        )
         P_pred[k] = np.linalg.inv(np.linalg.inv(P[k]) - gained)
     if columns.S is not None:
         known = _complete_or_absent(columns.S, there)
         P = np.where((_rejected(columns) & ~_complete(P))[:, None, None], P_pred, P)
         k = np.flatnonzero(_complete(P_pred) & ~_complete(P) & known)
         shared = h[k] @ P_pred[k]
-        gain = np.linalg.solve(completed(columns.S[k], there[k]), shared)
+        gain = np.linalg.solve(fill_missing_with_identity(columns.S[k], there[k]), shared)
         P[k] = P_pred[k] - _transposed(shared) @ gain
     return P_pred, P
 
@@ -272,7 +276,7 @@ def _transitions(
     F = np.full(P_pred.shape, np.nan)
     k = np.flatnonzero(there.any(axis=1) & _complete_or_absent(R, there) & ~_rejected(columns))
     # (I - K H)^-1 = I + P_pred H' R^-1 H.
-    seen = np.linalg.solve(completed(R[k], there[k]), h[k] @ columns.A[k])
+    seen = np.linalg.solve(fill_missing_with_identity(R[k], there[k]), h[k] @ columns.A[k])
     F[k] = columns.A[k] + P_pred[k] @ _transposed(h[k]) @ seen
     F[_rejected(columns)] = columns.A[_rejected(columns)]
     k = np.flatnonzero(~there.any(axis=1) & _complete(P) & _complete(P_pred))
@@ -325,14 +329,14 @@ def _corrections(log: EstimatorLog, H: Floats, P_pred: Floats) -> Floats:
         there, h = _seen(columns, H)
         k = np.flatnonzero(_complete(P_pred) & _complete_or_absent(columns.S, there))
         nu = np.where(there[k], columns.innovation[k], 0.0)[..., None]
-        whitened = np.linalg.solve(completed(columns.S[k], there[k]), nu)
+        whitened = np.linalg.solve(fill_missing_with_identity(columns.S[k], there[k]), nu)
         corrections[k] = (P_pred[k] @ _transposed(h[k]) @ whitened)[..., 0]
         corrections[_rejected(columns)] = 0.0
     if columns.x is not None and columns.x_pred is not None:
         moved = columns.x - columns.x_pred
         if len(log.states):
             periods = np.array([s.period or np.nan for s in log.states])
-            moved = wrapped(moved, np.broadcast_to(periods, moved.shape))
+            moved = wrap(moved, np.broadcast_to(periods, moved.shape))
         corrections = np.where(_complete(moved)[:, None], moved, corrections)
     return corrections
 
@@ -367,75 +371,3 @@ def _pieces(
             pieces.append((first, rows.stop))
             tracks.append(t)
     return pieces, tracks
-
-
-def _groups(
-    log: EstimatorLog, Q: Floats, process: str | Mapping[str, Sequence[str | int]], starts: Integers
-) -> tuple[Floats, tuple[str, ...]]:
-    """``(rows, groups, n, n)``: the process noise of each group of states, and their names."""
-    Q = np.nan_to_num(Q)
-    Q[starts[:-1]] = 0.0
-    if process == "all":
-        return Q[:, None], ("all",)
-    names = log.state_names or tuple(f"x[{i}]" for i in range(Q.shape[1]))
-    coupled = _coupled(Q)
-    if process == "by_block":
-        blocks = _blocks(coupled)
-        return _split(Q, blocks), tuple(", ".join(names[i] for i in b) for b in blocks)
-    if isinstance(process, str):
-        raise ValueError(f"process must be 'all', 'by_block' or a dictionary, got {process!r}")
-    blocks = [[_state(names, s) for s in states] for states in process.values()]
-    _check_groups(blocks, coupled, names, tuple(process))
-    return _split(Q, blocks), tuple(process)
-
-
-def _state(names: Sequence[str], state: str | int) -> int:
-    if isinstance(state, str):
-        if state not in names:
-            raise ValueError(f"process: no state {state!r}; the log has {', '.join(names)}")
-        return names.index(state)
-    return int(state)
-
-
-def _coupled(Q: Floats) -> NDArray[np.bool_]:
-    """Which states share process noise in any row."""
-    d = np.sqrt(np.maximum(Q.diagonal(axis1=1, axis2=2), 1e-300))
-    return np.asarray((np.abs(Q) > 1e-6 * d[:, :, None] * d[:, None, :]).any(axis=0))
-
-
-def _blocks(coupled: NDArray[np.bool_]) -> list[list[int]]:
-    """States that are connected by process noise; states without any are in no block."""
-    reached = coupled | np.eye(len(coupled), dtype=bool)
-    for _ in range(len(coupled)):
-        reached = (reached.astype(int) @ reached.astype(int)) > 0
-    driven = [i for i in range(len(coupled)) if coupled[i, i]]
-    blocks = {tuple(np.flatnonzero(reached[i]).tolist()) for i in driven}
-    return [list(block) for block in sorted(blocks)]
-
-
-def _check_groups(
-    blocks: list[list[int]], coupled: NDArray[np.bool_], names: Sequence[str], groups: Sequence[str]
-) -> None:
-    group_of: dict[int, int] = {}
-    for g, block in enumerate(blocks):
-        for state in block:
-            if state in group_of:
-                raise ValueError(f"process: state {names[state]!r} is in two groups")
-            group_of[state] = g
-    for i in range(len(coupled)):
-        if coupled[i, i] and i not in group_of:
-            raise ValueError(f"process: state {names[i]!r} has process noise and is in no group")
-        for j in range(i):
-            if coupled[i, j] and group_of.get(i) != group_of.get(j):
-                raise ValueError(
-                    f"process: states {names[j]!r} and {names[i]!r} share process noise "
-                    "and must be in one group"
-                )
-
-
-def _split(Q: Floats, blocks: list[list[int]]) -> Floats:
-    parts = np.zeros((len(Q), len(blocks), *Q.shape[1:]))
-    for g, block in enumerate(blocks):
-        index = np.ix_(range(len(Q)), block, block)
-        parts[:, g][index] = Q[index]
-    return parts

@@ -19,7 +19,7 @@ from trackmetrics.diagnostics.segmentation import (
 )
 from trackmetrics.diagnostics.thresholds import MIN_UPDATES_TO_JUDGE
 from trackmetrics.diagnostics.trace import Pair, Partitions, Trace
-from trackmetrics.logs.columns import Columns, Floats, Integers, present
+from trackmetrics.logs.columns import Columns, Floats, Integers, has_value
 
 Times = tuple[Floats | float, Partitions | None]
 """The autocorrelation times of the values of a track; its best partitions where they are known."""
@@ -96,7 +96,7 @@ def _from_values(pairs: list[Pair], alpha: float) -> list[Times]:
 def transitions(columns: Columns, rows: Integers) -> Floats:
     """The A of these updates; 0 (independent) where it is not logged or updates are left out."""
     assert columns.A is not None
-    known = present(columns.A[rows])
+    known = has_value(columns.A[rows])
     known[1:] &= np.diff(rows) == 1
     return np.where(known[:, None, None], np.nan_to_num(columns.A[rows]), 0.0)
 
@@ -105,7 +105,7 @@ def _has_model(columns: Columns, rows: Integers) -> bool:
     """Whether P is logged for every NEES and A for most (not for the first, or while tentative)."""
     if columns.A is None or columns.P is None or columns.nees_dof is None or not len(rows):
         return False
-    if present(columns.A[rows]).mean() <= 0.5 or np.isnan(columns.P[rows]).any():
+    if has_value(columns.A[rows]).mean() <= 0.5 or np.isnan(columns.P[rows]).any():
         return False
     return bool((_valid_errors(columns, rows).sum(axis=1) == columns.nees_dof[rows]).all())
 

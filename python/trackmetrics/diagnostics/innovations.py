@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from trackmetrics import _covariances
 from trackmetrics.diagnostics.results import Bias
-from trackmetrics.logs.columns import Columns, Floats, Integers, Words
+from trackmetrics.logs.columns import Columns, Floats, Integers, Strings
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +18,7 @@ class Innovations:
 
     values: Floats
     covariances: Floats
-    types: Words
+    types: Strings
     """The measurement type of each update; empty strings if unknown."""
 
     def __len__(self) -> int:

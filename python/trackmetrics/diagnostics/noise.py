@@ -6,8 +6,9 @@ from math import isfinite, log, nan
 
 import numpy as np
 
+from trackmetrics.diagnostics._noise_baseline import Fault
 from trackmetrics.diagnostics._noise_direction import direction
-from trackmetrics.diagnostics._noise_faults import ROBUST_DOF, Fault, faults, outlying
+from trackmetrics.diagnostics._noise_faults import ROBUST_DOF, faults, outlying
 from trackmetrics.diagnostics._noise_fit import (
     ErrorModel,
     Fit,
@@ -29,6 +30,17 @@ ALARM = 0.01
 """Probability that a change is advised for a consistent filter."""
 UNEXPLAINED = 0.001
 """Probability, under the best factors, of a fault as significant as one that is reported."""
+
+
+_NOTABLE = {
+    "bias": 0.5,
+    "outliers": 0.5,
+    "correlated noise": 0.5,
+    "manoeuvre": 0.01,
+    "changing noise": 0.01,
+}
+"""p-value, under the best factors, above which a fault is no better explanation than they are. A
+change in time can imitate a wrong factor, and must be seen beside it."""
 
 
 @dataclass(frozen=True)
@@ -172,10 +184,11 @@ def estimate_noise(
     A random walk with steps of variance 1, measured with variance 4; the filter claims 1 and 1.
 
     >>> import numpy as np
+    >>> from trackmetrics.logs import EstimatorLog
     >>> rng = np.random.default_rng(0)
-    >>> truth = np.cumsum(rng.normal(size=300))
+    >>> truth = np.cumsum(rng.normal(size=100))
     >>> x, P, rows = 0.0, 10.0, []
-    >>> for z in truth + 2 * rng.normal(size=300):
+    >>> for z in truth + 2 * rng.normal(size=100):
     ...     P_pred = P + 1
     ...     S = P_pred + 1
     ...     K, nu = P_pred / S, z - x
@@ -184,7 +197,7 @@ def estimate_noise(
     >>> innovation, S, P_pred, P, A = zip(*rows)
     >>> log = EstimatorLog.from_columns(
     ...     states=["s"], innovation=innovation, S=S, P_pred=P_pred, P=P, A=A,
-    ...     H=[[[1.0]]] * 300, measurement_type=["radar"] * 300)
+    ...     H=[[[1.0]]] * 100, measurement_type=["radar"] * 100)
     >>> found = estimate_noise(log)
     >>> found.causes
     ('measurement radar',)
@@ -272,7 +285,7 @@ def _verdict(listed: Sequence[Fault], gain: float, p_value: float) -> tuple[str,
     if significant:
         best = max(significant, key=lambda f: f.gain)
         return best.reason, best.detail
-    better = [f for f in listed if f.gain > max(gain, 0.0) and f.p_value < 0.5]
+    better = [f for f in listed if f.gain > max(gain, 0.0) and f.p_value < _NOTABLE[f.reason]]
     if p_value < ALARM and better:
         best = max(better, key=lambda f: f.gain)
         return best.reason, best.detail
@@ -338,7 +351,7 @@ def _sentences(estimate: NoiseEstimate) -> list[str]:
     elif estimate.causes:
         lines.append("change: " + ", ".join(estimate.causes))
     else:
-        lines.append("no change is needed")
+        lines.append("no change is significant")
     if estimate.disagreeing:
         lines.append("tracks that disagree: " + ", ".join(estimate.disagreeing))
     return lines

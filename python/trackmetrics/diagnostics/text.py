@@ -15,7 +15,7 @@ from trackmetrics.diagnostics.results import (
     StateDiagnosis,
 )
 from trackmetrics.diagnostics.timeline import Timeline
-from trackmetrics.logs.columns import Columns, Floats, incomplete
+from trackmetrics.logs.columns import Columns, Floats, rows_missing_components
 
 MEANINGS = {
     "angle_wrap_bug": "innovations of an angle are not wrapped",
@@ -200,7 +200,7 @@ def incomplete_vectors(columns: Columns) -> list[str]:
     ):
         if vectors is None or not np.isnan(vectors).any():
             continue
-        lacking = int(incomplete(vectors, kinds).sum())
+        lacking = int(rows_missing_components(vectors, kinds).sum())
         if lacking:
             some = f"{lacking} {what}s lack" if lacking > 1 else f"1 {what} lacks"
             found.append(f"{some} components; the others count, with their own degrees of freedom.")

@@ -102,6 +102,7 @@ def whatif(
     A constant is measured with variance 4; the filter claims 1.
 
     >>> import numpy as np
+    >>> from trackmetrics.logs import EstimatorLog
     >>> z = 2 * np.random.default_rng(0).normal(size=200)
     >>> x, P, rows = 0.0, 10.0, []
     >>> for value in z:

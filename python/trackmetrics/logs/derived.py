@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.logs.columns import Columns, Floats, Integers, components, present
+from trackmetrics._angles import wrap
+from trackmetrics._covariances import quadratic_forms, valid_components
+from trackmetrics.logs.columns import Columns, Floats, Integers, has_value
 from trackmetrics.logs.header import State
-from trackmetrics.logs.validation import check_covariances, completed, unit_diagonal
+from trackmetrics.logs.validation import check_covariances
 
 Angles = Mapping[str, Mapping[int, float]]
 
@@ -19,7 +21,7 @@ def derive(
     """The columns completed, and which rows of which column were computed."""
     check_covariances(columns)
     logged, periods = columns, component_periods(columns, states, measurement_angles)
-    columns = columns.with_(
+    columns = columns.replace(
         innovation=_filled(columns.innovation, _innovations(columns, periods)),
         S=_filled(columns.S, _innovation_covariances(columns)),
         error=_filled(columns.error, _errors(columns, states)),
@@ -27,33 +29,35 @@ def derive(
     )
     residuals = columns.innovation
     if residuals is not None and periods is not None:
-        residuals = wrapped(residuals, periods)
-    columns = columns.with_(
+        residuals = wrap(residuals, periods)
+    columns = columns.replace(
         nis=_filled(columns.nis, _forms(residuals, columns.S)),
         nees=_filled(columns.nees, _forms(columns.error, columns.P)),
     )
     computed = {
-        name: _newly(getattr(logged, name), getattr(columns, name))
+        name: _computed_rows(getattr(logged, name), getattr(columns, name))
         for name in ("innovation", "S", "error", "std", "nis", "nees")
     }
     dofs = {
-        "nis_dof": _with_own(columns.nis_dof, _nis_dof(columns), computed["nis"]),
-        "nees_dof": _with_own(columns.nees_dof, _nees_dof(columns, len(states)), computed["nees"]),
+        "nis_dof": _dof_of_computed(columns.nis_dof, _nis_dof(columns), computed["nis"]),
+        "nees_dof": _dof_of_computed(
+            columns.nees_dof, _nees_dof(columns, len(states)), computed["nees"]
+        ),
     }
-    columns = columns.with_(**dofs)
+    columns = columns.replace(**dofs)
     for name, dof in dofs.items():
-        computed[name] = _newly(getattr(logged, name), dof)
+        computed[name] = _computed_rows(getattr(logged, name), dof)
         source = computed[name.removesuffix("_dof")]
         if dof is not None and source is not None:
             computed[name] |= source
     return columns, {name: rows for name, rows in computed.items() if rows is not None}
 
 
-def _newly(logged: Floats | None, column: Floats | None) -> Any:
+def _computed_rows(logged: Floats | None, column: Floats | None) -> Any:
     """Which rows have a value that was not logged."""
     if column is None or logged is None:
-        return None if column is None else present(column)
-    return present(column) & ~present(logged)
+        return None if column is None else has_value(column)
+    return has_value(column) & ~has_value(logged)
 
 
 def component_periods(
@@ -76,32 +80,6 @@ def component_periods(
     return periods
 
 
-def wrapped(residuals: Floats, periods: Floats) -> Floats:
-    """Residuals of angles in (-period/2, period/2], others as they are."""
-    turns = np.ceil(residuals / periods - 0.5)
-    return np.where(np.isnan(periods), residuals, residuals - np.nan_to_num(turns * periods))
-
-
-def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
-    """e' P^-1 e of each row over the components that both have; NaN where there is none."""
-    forms = np.full(len(errors), np.nan)
-    there = components(errors, covariances)
-    rows = there.any(axis=1)
-    if rows.any():
-        white = whitened(errors[rows], covariances[rows], there[rows])
-        forms[rows] = (white**2).sum(axis=1)
-    return forms
-
-
-def whitened(errors: Floats, covariances: Floats, there: NDArray[np.bool_]) -> Floats:
-    """L^-1 e with P = L L', both of the components that are there; 0 in the others."""
-    p = completed(covariances, there)
-    d = np.sqrt(p.diagonal(axis1=1, axis2=2))
-    e = np.where(there, errors, 0.0) / d
-    white: Floats = np.linalg.solve(np.linalg.cholesky(unit_diagonal(p)), e[..., None])[..., 0]
-    return white
-
-
 def _measurement_width(columns: Columns) -> int:
     for name in ("innovation", "z", "S", "R"):
         column = getattr(columns, name)
@@ -114,7 +92,7 @@ def _filled(logged: Any, computed: Floats | None) -> Any:
     """The logged values, and computed ones in rows without."""
     if logged is None or computed is None:
         return computed if logged is None else logged
-    there = present(logged).reshape((-1,) + (1,) * (logged.ndim - 1))
+    there = has_value(logged).reshape((-1,) + (1,) * (logged.ndim - 1))
     return np.where(there, logged, computed)
 
 
@@ -125,7 +103,7 @@ def _forms(errors: Floats | None, covariances: Floats | None) -> Floats | None:
 def _errors(columns: Columns, states: Sequence[State]) -> Floats | None:
     if columns.x is None or columns.truth is None:
         return None
-    return wrapped(columns.x - columns.truth, np.array([s.period or np.nan for s in states]))
+    return wrap(columns.x - columns.truth, np.array([s.period or np.nan for s in states]))
 
 
 def _deviations(columns: Columns) -> Floats | None:
@@ -137,7 +115,7 @@ def _innovations(columns: Columns, periods: Floats | None) -> Floats | None:
     if columns.z is None or columns.x_pred is None or columns.observed is None or periods is None:
         return None
     predicted = _observed_states(columns.x_pred, columns.observed)
-    return wrapped(columns.z - predicted, periods)
+    return wrap(columns.z - predicted, periods)
 
 
 def _innovation_covariances(columns: Columns) -> Floats | None:
@@ -154,7 +132,7 @@ def components_observed(columns: Columns) -> Integers | None:
     """``observed`` without the components that an update's innovation lacks."""
     if columns.observed is None or columns.innovation is None:
         return columns.observed
-    lacking = np.isnan(columns.innovation) & present(columns.innovation)[:, None]
+    lacking = np.isnan(columns.innovation) & has_value(columns.innovation)[:, None]
     return np.where(lacking, -1, columns.observed)
 
 
@@ -183,7 +161,7 @@ def _nees_dof(columns: Columns, states: int) -> Floats | None:
         return None
     dof = np.full(len(columns), float(states))
     if columns.error is not None and columns.P is not None:
-        own = components(columns.error, columns.P).sum(axis=1)
+        own = valid_components(columns.error, columns.P).sum(axis=1)
         dof = np.where(own > 0, own, dof)
     return np.where(np.isnan(columns.nees), np.nan, dof)
 
@@ -192,12 +170,12 @@ def _count(vectors: Floats, covariances: Floats | None) -> Floats:
     """How many components each row has, with a variance if it has any; NaN for none."""
     there = ~np.isnan(vectors)
     if covariances is not None:
-        there &= components(vectors, covariances) | ~present(covariances)[:, None]
+        there &= valid_components(vectors, covariances) | ~has_value(covariances)[:, None]
     count = there.sum(axis=1).astype(np.float64)
     return np.where(count > 0, count, np.nan)
 
 
-def _with_own(logged: Floats | None, own: Floats | None, computed: Any) -> Floats | None:
+def _dof_of_computed(logged: Floats | None, own: Floats | None, computed: Any) -> Floats | None:
     """Degrees of freedom as logged; but a value that was computed here has its own."""
     if logged is None or own is None or computed is None:
         return own if logged is None else logged

@@ -1,16 +1,20 @@
 """A log of an estimator: one row per update, many tracks, whatever columns there are."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.logs import sources, tables, writing
-from trackmetrics.logs.columns import FLOATS, Columns, present
-from trackmetrics.logs.header import Header, State
-from trackmetrics.logs.normalize import build
+from trackmetrics.logs import filterpy, formats, frames, stone_soup
+from trackmetrics.logs.columns import Columns, has_value
+from trackmetrics.logs.header import HeaderArguments, LogHeader, State, to_record
+from trackmetrics.logs.normalize import LogParts, normalize
+from trackmetrics.logs.schema import NUMERIC_COLUMNS
+from trackmetrics.logs.selection import Renaming, select_columns
+from trackmetrics.logs.serialization import to_table
 
 
 class EstimatorLog:
@@ -38,6 +42,8 @@ class EstimatorLog:
         computed: Mapping[str, NDArray[np.bool_]] | None = None,
         repeated: Sequence[int] | None = None,
         time_unit: str = "s",
+        epoch: str | None = None,
+        notes: Sequence[str] = (),
     ) -> None:
         self.columns = columns
         """All rows, track by track."""
@@ -55,8 +61,17 @@ class EstimatorLog:
         """How many repeated rows of each track were dropped."""
         self.time_unit = time_unit
         """Unit of the times."""
+        self.epoch = epoch
+        """Moment of time 0 in ISO 8601; None where the log does not say."""
+        self.notes = tuple(notes)
+        """What was recognised or left out while reading."""
         self.start_time = float(columns.time[list(self.starts[:-1])].min())
         """Time of the first update of any track."""
+
+    @classmethod
+    def from_parts(cls, parts: LogParts) -> "EstimatorLog":
+        """A log from its normalised parts; for readers."""
+        return cls(**{f.name: getattr(parts, f.name) for f in fields(parts)})
 
     @classmethod
     def from_columns(
@@ -66,7 +81,11 @@ class EstimatorLog:
         state_dim: int | None = None,
         angles: Mapping[str | int, float] | None = None,
         measurement_angles: Mapping[str, Mapping[int, float]] | None = None,
-        time_unit: str = "s",
+        time_unit: str | None = None,
+        date_order: str | None = None,
+        covariance_forms: Mapping[str, str] | None = None,
+        on_repeats: str = "drop",
+        nis_scale: float = 1.0,
         **columns: Any,
     ) -> "EstimatorLog":
         """A log from columns of equal length, any subset that makes sense.
@@ -83,9 +102,22 @@ class EstimatorLog:
             Periods of the components of ``z`` and ``innovation`` that are angles, by measurement
             type: ``{"radar": {1: 2 * math.pi}}``. With ``observed`` it follows from ``angles``.
         time_unit
-            Unit of ``time``.
+            Unit of ``time``, seconds by default. Where it is not given, Unix times in milliseconds,
+            microseconds or nanoseconds are recognised by their magnitude, and a note says so.
+        date_order
+            ``"dmy"`` or ``"mdy"``, for dates with slashes that could be either.
+        covariance_forms
+            How covariances given as lists are meant where their length does not tell:
+            ``{"S": "diagonal"}``, ``"upper"`` (triangle row by row) or ``"full"``.
+        on_repeats
+            What to do with rows that are no updates (they repeat the row before to the bit, or
+            their NIS is exactly 0): ``"drop"`` and count them in the notes, ``"keep"``, or
+            ``"raise"``.
+        nis_scale
+            Factor of the NIS: the gate, where the log has test ratios (NIS divided by a gate).
         **columns
-            ``track`` (default: one track), ``time`` (default: 0, 1, ... in each track),
+            ``track`` (default: one track), ``time`` (numbers, dates or text; default: 0, 1, ... in
+            each track),
             ``status`` (``"tentative"``, ``"active"`` or ``"rejected"``), ``measurement_type``,
             ``observed`` (the states that each component of the measurement observes, by name or
             index); of each row
@@ -107,7 +139,7 @@ class EstimatorLog:
         ------
         ValueError
             If there is no row; columns differ in length or a value in form; a time is not finite,
-            falls, or repeats with another content; a state is unknown; a row holds nothing.
+            falls; a state is unknown; a row holds nothing.
         numpy.linalg.LinAlgError
             If a covariance is not positive definite; names the row.
 
@@ -117,30 +149,36 @@ class EstimatorLog:
         ...                           state_dim=5)
         EstimatorLog(1 track, 3 updates, columns: nis, nis_dof, nees, nees_dof)
         """
-        header = Header(states, state_dim, angles or {}, measurement_angles or {}, time_unit)
-        return cls(*build(columns, header))
+        header = LogHeader(
+            states,
+            state_dim,
+            angles,
+            measurement_angles,
+            time_unit,
+            date_order=date_order,
+            covariance_forms=covariance_forms,
+            on_repeats=on_repeats,
+            nis_scale=nis_scale,
+        )
+        return cls.from_parts(normalize(columns, header))
 
     @classmethod
     def from_frame(
         cls,
         frame: Any,
         *,
-        columns: Mapping[str, str | Sequence[str]] | None = None,
-        states: Sequence[State | str] | None = None,
-        state_dim: int | None = None,
-        angles: Mapping[str | int, float] | None = None,
-        measurement_angles: Mapping[str, Mapping[int, float]] | None = None,
-        time_unit: str = "s",
+        columns: Renaming | None = None,
+        **header: Unpack[HeaderArguments],
     ) -> "EstimatorLog":
         """A log from a data frame (pandas, Polars, PyArrow, ...; needs ``narwhals``).
 
         ``columns`` names the frame's columns where they differ from those of
         :meth:`from_columns`; a vector is a column of lists, or a list of columns:
-        ``{"nis_dof": "df", "std": ["std_x", "std_y"]}``.
+        ``{"nis_dof": "df", "std": ["std_x", "std_y"]}``. The header is that of
+        :meth:`from_columns`.
         """
-        header = Header(states, state_dim, angles or {}, measurement_angles or {}, time_unit)
-        table = tables.chosen(tables.from_frame(frame), columns or {})
-        return cls(*build(table, header))
+        table = select_columns(frames.read(frame), columns or {})
+        return cls.from_parts(normalize(table, LogHeader(**header)))
 
     @classmethod
     def from_filterpy(
@@ -149,18 +187,16 @@ class EstimatorLog:
         *,
         truth: Any = None,
         times: Any = None,
-        states: Sequence[State | str] | None = None,
-        angles: Mapping[str | int, float] | None = None,
-        measurement_angles: Mapping[str, Mapping[int, float]] | None = None,
-        time_unit: str = "s",
+        **header: Unpack[HeaderArguments],
     ) -> "EstimatorLog":
         """A log from a ``filterpy.common.Saver``, or from several by the names of their tracks.
 
         The saver is called once after each update. ``truth`` holds the true states, ``times`` the
-        times, one for each epoch; with several savers, dictionaries of them by name.
+        times, one for each epoch; with several savers, dictionaries of them by name. The header is
+        that of :meth:`from_columns`.
         """
-        header = Header(states, None, angles or {}, measurement_angles or {}, time_unit)
-        return cls(*build(sources.from_filterpy(savers, truth, times), header))
+        table = filterpy.read(savers, truth, times)
+        return cls.from_parts(normalize(table, LogHeader(**header)))
 
     @classmethod
     def from_stone_soup(
@@ -168,17 +204,14 @@ class EstimatorLog:
         tracks: Any,
         *,
         truths: Mapping[Any, Any] | None = None,
-        states: Sequence[State | str] | None = None,
-        angles: Mapping[str | int, float] | None = None,
-        measurement_angles: Mapping[str, Mapping[int, float]] | None = None,
+        **header: Unpack[HeaderArguments],
     ) -> "EstimatorLog":
         """A log from Stone Soup's tracks, times in seconds since the first update.
 
         ``truths`` gives the ground truth path of a track, by the track or by its id; it is matched
-        by time stamps.
+        by time stamps. The header is that of :meth:`from_columns`.
         """
-        header = Header(states, None, angles or {}, measurement_angles or {}, "s")
-        return cls(*build(sources.from_stone_soup(tracks, truths), header))
+        return cls.from_parts(normalize(stone_soup.read(tracks, truths), LogHeader(**header)))
 
     def __getitem__(self, track: str) -> Columns:
         """The columns of one track."""
@@ -212,25 +245,43 @@ class EstimatorLog:
         values = getattr(self.columns, column)
         if values is None:
             return np.zeros(len(self), bool)
-        return present(values) & ~self.computed.get(column, np.zeros(len(self), bool))
+        return has_value(values) & ~self.computed.get(column, np.zeros(len(self), bool))
 
     def write(self, path: str | Path) -> None:
-        """Write the log to a ``.jsonl``, ``.csv`` or ``.parquet`` file, for :func:`read_log`."""
-        header = writing.header(self.states, self.measurement_angles, self.time_unit)
-        logged = {n: self.was_logged(n) for n in FLOATS if getattr(self.columns, n) is not None}
-        records = (
-            record
-            for t, track in enumerate(self.tracks)
-            for record in writing.records(
-                track,
-                self.columns.take(self.rows(t)),
-                {name: there[self.rows(t)] for name, there in logged.items()},
-            )
+        """Write the log to a file for :func:`read_log`; its ending says in which form.
+
+        ``.jsonl`` (JSON Lines), ``.csv`` or ``.parquet`` (needs Polars, the extra ``files``).
+        """
+        path = Path(path)
+        form = formats.to_write(path)
+        logged = {
+            name: self.was_logged(name)
+            for name in NUMERIC_COLUMNS
+            if getattr(self.columns, name) is not None
+        }
+        header = to_record(self.states, self.measurement_angles, self.time_unit, self.epoch)
+        form.write(path, header, to_table(self.columns, self.tracks, self.starts, logged))
+
+    def shifted(self, seconds: float) -> "EstimatorLog":
+        """The same log with every time later by ``seconds``."""
+        columns = self.columns.replace(time=self.columns.time + seconds)
+        return EstimatorLog(
+            columns,
+            self.tracks,
+            self.starts,
+            self.states,
+            self.measurement_angles,
+            self.computed,
+            self.repeated,
+            self.time_unit,
+            self.epoch,
+            self.notes,
         )
-        writing.write(Path(path), header, records)
 
     def __repr__(self) -> str:
         """Its size and columns."""
-        names = ", ".join(name for name in FLOATS if getattr(self.columns, name) is not None)
+        names = ", ".join(
+            name for name in NUMERIC_COLUMNS if getattr(self.columns, name) is not None
+        )
         tracks = f"{len(self.tracks)} track{'s' if len(self.tracks) != 1 else ''}"
         return f"EstimatorLog({tracks}, {len(self)} updates, columns: {names})"

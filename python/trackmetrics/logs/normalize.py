@@ -1,21 +1,26 @@
-"""From columns as users have them to a log: forms, order, repeated rows, what follows from what."""
+"""From columns as users have them to the parts of a log."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.logs import columns as forms
-from trackmetrics.logs.columns import Columns
+from trackmetrics._tables import times
+from trackmetrics._tables.errors import shown, value
+from trackmetrics.logs import coercion, schema
+from trackmetrics.logs.columns import Columns, Integers
 from trackmetrics.logs.derived import derive
-from trackmetrics.logs.header import Header, State
-from trackmetrics.logs.ordering import arrange
+from trackmetrics.logs.header import LogHeader, State
+from trackmetrics.logs.ordering import group_by_track
+from trackmetrics.logs.updates import scale_and_drop
 from trackmetrics.logs.validation import check_values
 
 
-class Parts(NamedTuple):
-    """What a log is made of, in the order in which it takes them."""
+@dataclass(frozen=True)
+class LogParts:
+    """What a log is made of."""
 
     columns: Columns
     tracks: Sequence[str]
@@ -25,28 +30,45 @@ class Parts(NamedTuple):
     computed: Mapping[str, NDArray[np.bool_]]
     repeated: Sequence[int]
     time_unit: str
+    epoch: str | None
+    notes: tuple[str, ...]
 
 
-def build(given: Mapping[str, Any], header: Header) -> Parts:
+def normalize(given: Mapping[str, Any], header: LogHeader) -> LogParts:
     """The parts of the log of these columns."""
     given = {name: values for name, values in given.items() if values is not None}
     _refuse_unknown(given)
     rows = _count(given)
     states = _states(given, header)
-    columns = _settle_forms(given, rows, states)
-    names = forms.words("track", given.get("track", "track"), rows)
-    check_values(columns, "time" in given)
-    columns, tracks, starts, repeated = arrange(columns, names, "time" in given)
+    timed = "time" in given
+    found = _times(given, header, rows)
+    columns = _as_columns(given, rows, states, header).replace(time=found.seconds)
+    names = coercion.as_strings("track", given.get("track", "track"), rows)
+    check_values(columns, timed)
+    columns, names, notes = scale_and_drop(columns, names, header)
+    grouped = group_by_track(columns, names, timed, header.on_repeats)
     angles = {k: dict(v) for k, v in (header.measurement_angles or {}).items()}
-    columns, computed = derive(columns, states, angles)
-    return Parts(columns, tracks, starts, states, angles, computed, repeated, header.time_unit)
+    columns, computed = derive(grouped.columns, states, angles)
+    return LogParts(
+        columns,
+        grouped.tracks,
+        grouped.starts,
+        states,
+        angles,
+        computed,
+        grouped.repeated,
+        header.time_unit or "s",
+        found.epoch or header.epoch,
+        tuple(note for note in (found.note, *notes) if note),
+    )
 
 
 def _refuse_unknown(given: Mapping[str, Any]) -> None:
-    unknown = [name for name in given if name not in forms.KNOWN]
+    unknown = [name for name in given if name not in schema.COLUMN_NAMES]
     if unknown:
-        raise ValueError(f"unknown column {unknown[0]!r}; a log has {', '.join(forms.KNOWN)}")
-    if not any(name in given for name in forms.FLOATS):
+        known = ", ".join(schema.COLUMN_NAMES)
+        raise ValueError(f"unknown column {value(unknown[0])}; a log has {known}")
+    if not any(name in given for name in schema.NUMERIC_COLUMNS):
         raise ValueError("the log has no column to diagnose: expected nis and nis_dof, or more")
 
 
@@ -55,13 +77,27 @@ def _count(given: Mapping[str, Any]) -> int:
     for values in given.values():
         if isinstance(values, str) or not hasattr(values, "__len__"):
             continue
+        if isinstance(values, np.ndarray) and values.ndim == 0:
+            continue
         if len(values):
             return len(values)
         break
     raise ValueError("the log is empty: expected at least one row")
 
 
-def _states(given: Mapping[str, Any], header: Header) -> tuple[State, ...]:
+def _times(given: Mapping[str, Any], header: LogHeader, rows: int) -> times.Times:
+    if "time" not in given:
+        return times.Times(np.zeros(rows))
+    given_times = given["time"]
+    if np.ndim(given_times) == 0:
+        given_times = np.full(rows, given_times)
+    if len(given_times) != rows:
+        raise ValueError(f"time has {len(given_times)} rows, the log has {rows}")
+    found = times.to_seconds(given_times, "time", header.time_unit, header.date_order)
+    return times.Times(found.seconds.reshape(rows), found.epoch, found.note)
+
+
+def _states(given: Mapping[str, Any], header: LogHeader) -> tuple[State, ...]:
     """Every state with its name, unit and period."""
     names = header.states
     if names is None:
@@ -71,25 +107,43 @@ def _states(given: Mapping[str, Any], header: Header) -> tuple[State, ...]:
         raise ValueError(f"state_dim is {header.state_dim}, states has {len(states)} names")
     place = {state.name: i for i, state in enumerate(states)}
     if len(place) < len(states):
-        raise ValueError(f"states must have different names, got {[s.name for s in states]}")
+        raise ValueError(f"states must have different names, got {shown(s.name for s in states)}")
+    if header.angles is not None and not isinstance(header.angles, Mapping):
+        raise TypeError(
+            f"angles must be a mapping of states to periods, got {value(header.angles)}"
+        )
     for key, period in (header.angles or {}).items():
-        i = forms.state_index("angles", key, place)
+        i = coercion.state_index("angles", key, place)
         states[i] = State(states[i].name, states[i].unit, _period(key, period))
+    _check_measurement_angles(header)
     return tuple(states)
 
 
+def _check_measurement_angles(header: LogHeader) -> None:
+    for kind, angles in (header.measurement_angles or {}).items():
+        if not isinstance(angles, Mapping):
+            raise TypeError(
+                f"measurement_angles[{kind!r}] must be a mapping of components to periods, "
+                f"got {value(angles)}"
+            )
+
+
 def _period(key: str | int, period: float) -> float:
-    if not period > 0 or not np.isfinite(period):
-        raise ValueError(f"angles[{key!r}] must be a positive period, got {period!r}")
+    is_number = isinstance(period, (int, float, np.number)) and not isinstance(period, bool)
+    if not is_number or not period > 0 or not np.isfinite(period):
+        raise ValueError(f"angles[{key!r}] must be a positive period, got {value(period)}")
     return float(period)
 
 
 def _state_width(given: Mapping[str, Any]) -> int:
     """The number of states, from the first column that tells."""
-    for name in forms.STATES:
+    for name in schema.STATE_VECTOR_COLUMNS:
         if name in given:
-            return max((np.size(v) for v in given[name] if v is not None), default=0)
-    for name in forms.STATE_MATRICES:
+            values = given[name]
+            if isinstance(values, np.ndarray) and values.ndim == 2:
+                return int(values.shape[1])
+            return int(coercion.as_ragged(name, values, len(values)).lengths.max(initial=0))
+    for name in schema.STATE_MATRIX_COLUMNS:
         if name in given:
             return max((np.shape(v)[0] for v in given[name] if np.ndim(v) == 2), default=0)
     if "nees" in given and "nees_dof" not in given:
@@ -97,44 +151,67 @@ def _state_width(given: Mapping[str, Any]) -> int:
     return 0
 
 
-def _settle_forms(given: Mapping[str, Any], rows: int, states: Sequence[State]) -> Columns:
-    """Every column as one array."""
+def _as_columns(
+    given: Mapping[str, Any], rows: int, states: Sequence[State], header: LogHeader
+) -> Columns:
+    """Every column but the time as one array."""
     n = len(states)
     place = {state.name: i for i, state in enumerate(states)}
-    columns: dict[str, Any] = {"row": np.arange(rows)}
-    columns["time"] = forms.numbers("time", given.get("time", np.zeros(rows)), rows)
-    for name in set(given) - {"track", "time"}:
+    columns: dict[str, Any] = {"row": np.arange(rows), "time": np.zeros(rows)}
+    # Vectors first: their lengths tell the sizes of the measurement's matrices.
+    for name in sorted(given, key=lambda name: name in schema.MEASUREMENT_MATRIX_COLUMNS):
         values = given[name]
-        if name in forms.WORDS:
-            columns[name] = forms.words(name, values, rows)
-        elif name in forms.NUMBERS:
-            columns[name] = forms.numbers(name, values, rows)
+        if name in ("track", "time"):
+            continue
+        if name in schema.STRING_COLUMNS:
+            columns[name] = coercion.as_strings(name, values, rows)
+        elif name in schema.SCALAR_COLUMNS:
+            columns[name] = coercion.as_scalars(name, values, rows)
         elif name == "observed":
-            columns[name] = forms.indices(name, values, rows, place)
-        elif name in forms.OBSERVATIONS:
-            columns[name] = forms.observations(name, values, rows, n)
-        elif name in forms.STATES + forms.MEASUREMENTS:
-            width = n if name in forms.STATES else None
-            columns[name] = forms.vectors(name, values, rows, width)
+            columns[name] = coercion.as_indices(name, values, rows, place)
+        elif name in schema.OBSERVATION_COLUMNS:
+            columns[name] = coercion.as_observations(name, values, rows, n)
+        elif name in schema.STATE_VECTOR_COLUMNS:
+            columns[name] = coercion.as_vectors(name, values, rows, n)
+        elif name in schema.MEASUREMENT_VECTOR_COLUMNS:
+            columns[name] = coercion.as_vectors(name, values, rows, None)
         else:
-            width = n if name in forms.STATE_MATRICES else None
-            columns[name] = forms.matrices(name, values, rows, width)
+            is_state = name in schema.STATE_MATRIX_COLUMNS
+            sizes = None if is_state else _measurement_sizes(columns)
+            form = (header.covariance_forms or {}).get(name)
+            width = n if is_state else None
+            columns[name] = coercion.as_matrices(name, values, rows, width, sizes, form)
     return _align(Columns(**columns))
+
+
+def _measurement_sizes(columns: Mapping[str, Any]) -> Integers | None:
+    """How many components each row's measurement has; 0 where no vector tells."""
+    for name in schema.MEASUREMENT_VECTOR_COLUMNS[::-1]:
+        if name in columns:
+            values = columns[name]
+            width = np.arange(1, values.shape[1] + 1)
+            sizes: Integers = np.where(np.isnan(values), 0, width).max(axis=1, initial=0)
+            return sizes
+    if "observed" in columns:
+        observed: Integers = (columns["observed"] >= 0).sum(axis=1)
+        return observed
+    return None
 
 
 def _align(columns: Columns) -> Columns:
     """Measurement columns of one common width."""
-    names = [n for n in (*forms.MEASUREMENTS, "observed") if getattr(columns, n) is not None]
-    squares = [n for n in forms.MEASUREMENT_MATRICES if getattr(columns, n) is not None]
-    wide = [n for n in forms.OBSERVATIONS if getattr(columns, n) is not None]
-    width = max((getattr(columns, n).shape[1] for n in names + squares + wide), default=0)
+    along_rows = [*schema.MEASUREMENT_VECTOR_COLUMNS, "observed", *schema.OBSERVATION_COLUMNS]
+    vectors = [n for n in along_rows if getattr(columns, n) is not None]
+    squares = [n for n in schema.MEASUREMENT_MATRIX_COLUMNS if getattr(columns, n) is not None]
+    width = max((getattr(columns, n).shape[1] for n in vectors + squares), default=0)
     wider = {}
-    for name in names + squares:
+    for name in vectors + squares:
         column = getattr(columns, name)
-        missing = [(0, 0)] + [(0, width - column.shape[1])] * (column.ndim - 1)
-        wider[name] = np.pad(column, missing, constant_values=-1 if name == "observed" else np.nan)
-    for name in wide:
-        column = getattr(columns, name)
-        missing = [(0, 0), (0, width - column.shape[1]), (0, 0)]
-        wider[name] = np.pad(column, missing, constant_values=np.nan)
-    return columns.with_(**wider)
+        missing = width - column.shape[1]
+        if missing:
+            fill = -1 if name == "observed" else np.nan
+            pads = [(0, 0), (0, missing)] + [(0, missing if name in squares else 0)] * (
+                column.ndim - 2
+            )
+            wider[name] = np.pad(column, pads, constant_values=fill)
+    return columns.replace(**wider) if wider else columns

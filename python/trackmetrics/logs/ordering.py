@@ -1,49 +1,72 @@
 """The rows of a log track by track, in the order of time, without repeated ones.
 
 A display that logs every track at every scan repeats the last update until the next one arrives.
-Such frozen rows are no data: at the same time they are recognised by equal content; at another time
-only where a state or measurement is logged, since a number such as a NIS may repeat by chance.
+Such repeated rows are no data: at the same time they are recognised by equal content; at another
+time only where a state or measurement is logged, since a number such as a NIS may repeat by
+coincidence. Different updates at one time are updates, in the order given.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.logs.columns import FLOATS, WORDS, Columns, Integers, Words, present
+from trackmetrics.logs.columns import Columns, Integers, Strings, has_value
+from trackmetrics.logs.schema import NUMERIC_COLUMNS, STRING_COLUMNS
 
-_TELLING = ("x", "z", "innovation", "x_pred", "error")
+ON_REPEATS = ("drop", "keep", "raise")
+_CONTENT_COLUMNS = ("x", "z", "innovation", "x_pred", "error")
+"""Columns whose repetition to the bit, at another time, shows that nothing was updated."""
 
 
-def arrange(
-    columns: Columns, names: Words, timed: bool
-) -> tuple[Columns, list[str], list[int], list[int]]:
-    """The columns track by track; names, first rows, and counts of rows dropped."""
+class Grouped(NamedTuple):
+    """The rows of a log track by track."""
+
+    columns: Columns
+    tracks: Sequence[str]
+    starts: Sequence[int]
+    repeated: Sequence[int]
+    """How many repeated rows of each track were dropped."""
+
+
+def group_by_track(columns: Columns, names: Strings, timed: bool, on_repeats: str) -> Grouped:
+    """The columns track by track, in the order in which the tracks first appear."""
+    if on_repeats not in ON_REPEATS:
+        raise ValueError(f"on_repeats must be one of {', '.join(ON_REPEATS)}, got {on_repeats!r}")
     tracks, inverse = _in_order_of_appearance(names)
-    order = np.argsort(inverse, kind="stable")
-    columns, inverse = columns.take(order), inverse[order]
+    if (np.diff(inverse) < 0).any():
+        order = np.argsort(inverse, kind="stable")
+        columns, inverse = columns.take(order), inverse[order]
     if not timed:
-        columns = columns.with_(time=_count_up(inverse, len(tracks)))
+        columns = columns.replace(time=_count_up(inverse, len(tracks)))
     else:
         _check_rising(columns, inverse, tracks)
-    frozen = _frozen(columns, inverse, timed)
-    if timed:
-        _check_times_differ(columns, inverse, tracks, frozen)
-    repeated = np.bincount(inverse[frozen], minlength=len(tracks))
-    columns, inverse = columns.take(~frozen), inverse[~frozen]
-    if not timed:
-        columns = columns.with_(time=_count_up(inverse, len(tracks)))
+    repeated = np.zeros(len(columns), bool)
+    if on_repeats != "keep":
+        repeated = _repeated(columns, inverse, timed)
+    if on_repeats == "raise" and repeated.any():
+        k = int(np.argmax(repeated))
+        raise ValueError(f"row {columns.row[k]} repeats row {columns.row[k - 1]}")
+    dropped = np.bincount(inverse[repeated], minlength=len(tracks))
+    if repeated.any():
+        columns, inverse = columns.take(~repeated), inverse[~repeated]
+        if not timed:
+            columns = columns.replace(time=_count_up(inverse, len(tracks)))
     starts = np.searchsorted(inverse, np.arange(len(tracks) + 1))
-    return columns, tracks, starts.tolist(), repeated.tolist()
+    return Grouped(columns, tracks, starts.tolist(), dropped.tolist())
 
 
-def _in_order_of_appearance(names: Words) -> tuple[list[str], Integers]:
+def _in_order_of_appearance(names: Strings) -> tuple[list[str], Integers]:
+    """The different names, and the index of each row's."""
+    heads = np.flatnonzero(np.append(True, names[1:] != names[:-1]))
     place: dict[str, int] = {}
-    for row, name in enumerate(names):
-        if name is None:
-            raise ValueError(f"track[{row}] is missing")
-        place.setdefault(name, len(place))
-    return list(place), np.array([place[name] for name in names], np.int64)
+    index = [place.setdefault(name, len(place)) for name in names[heads]]
+    if None in place:
+        row = int(heads[index.index(place[None])])  # type: ignore[index]
+        raise ValueError(f"track[{row}] is missing")
+    lengths = np.diff(np.append(heads, len(names)))
+    return list(place), np.repeat(np.array(index, np.int64), lengths)
 
 
 def _count_up(inverse: Integers, tracks: int) -> NDArray[np.float64]:
@@ -62,34 +85,24 @@ def _check_rising(columns: Columns, inverse: Integers, tracks: Sequence[str]) ->
         )
 
 
-def _frozen(columns: Columns, inverse: Integers, timed: bool) -> NDArray[np.bool_]:
+def _repeated(columns: Columns, inverse: Integers, timed: bool) -> NDArray[np.bool_]:
     """Which rows repeat the one before."""
     same = np.zeros(len(columns), bool)
     same[1:] = np.diff(inverse) == 0
-    telling = np.zeros(len(columns), bool)
-    for name in (*FLOATS, *WORDS, "observed"):
+    has_content = np.zeros(len(columns), bool)
+    for name in (*NUMERIC_COLUMNS, *STRING_COLUMNS, "observed"):
         column = getattr(columns, name)
-        if column is None:
+        if column is None or not same.any():
             continue
-        equal = column[1:] == column[:-1]
-        if name in FLOATS:
-            equal |= np.isnan(column[1:]) & np.isnan(column[:-1])
-        same[1:] &= equal.all(axis=tuple(range(1, column.ndim)))
-        if name in _TELLING:
-            telling |= present(column)
+        # Most rows differ in the first columns: only the others are compared in the rest.
+        rows = np.flatnonzero(same)
+        now, before = column[rows], column[rows - 1]
+        equal = now == before
+        if name in NUMERIC_COLUMNS:
+            equal |= np.isnan(now) & np.isnan(before)
+        same[rows] = equal.all(axis=tuple(range(1, column.ndim)))
+        if name in _CONTENT_COLUMNS:
+            has_content |= has_value(column)
     if timed:
-        telling[1:] |= np.diff(columns.time) == 0
-    return same & telling
-
-
-def _check_times_differ(
-    columns: Columns, inverse: Integers, tracks: Sequence[str], frozen: NDArray[np.bool_]
-) -> None:
-    twice = np.zeros(len(columns), bool)
-    twice[1:] = (np.diff(columns.time) == 0) & (np.diff(inverse) == 0) & ~frozen[1:]
-    if twice.any():
-        k = int(np.argmax(twice))
-        raise ValueError(
-            f"track {tracks[inverse[k]]!r} has two different updates at time "
-            f"{float(columns.time[k])!r}: rows {columns.row[k - 1]} and {columns.row[k]}"
-        )
+        has_content[1:] |= np.diff(columns.time) == 0
+    return same & has_content

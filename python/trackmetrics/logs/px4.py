@@ -11,14 +11,17 @@ the flag of the topic) has the status ``"rejected"``. Times are seconds since th
 of a topic whose time stamps are all the same, the numbers of its rows.
 """
 
+import io
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from trackmetrics._tables.opening import Content
+from trackmetrics.logs.header import LogHeader
 
 Floats = NDArray[np.float64]
 Table = dict[str, list[Any]]
@@ -87,15 +90,15 @@ class Axis:
     rejected: NDArray[np.bool_]
 
 
-def read_ulog(path: Path) -> Table:
+def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
     """The columns of a log, one row for each update of each axis."""
     import pyulog
 
-    ulog = pyulog.ULog(str(path))
+    ulog = pyulog.ULog(io.BytesIO(content.data))
     axes = [kept for axis in _axes(ulog) if len((kept := _updates(axis)).time)]
     if not axes:
         raise ValueError(
-            f"{path.name}: no innovations; expected a topic ekf2_innovations, "
+            f"{content.name}: no innovations; expected a topic ekf2_innovations, "
             "estimator_innovations or estimator_aid_src_*"
         )
     several = len({axis.instance for axis in axes}) > 1
@@ -111,7 +114,7 @@ def read_ulog(path: Path) -> Table:
         table["status"] += ["rejected" if r else "active" for r in axis.rejected]
         table["innovation"] += [[v] for v in axis.innovation.tolist()]
         table["S"] += [[[v]] for v in axis.variance.tolist()]
-    return table
+    return table, LogHeader()
 
 
 def _updates(axis: Axis) -> Axis:

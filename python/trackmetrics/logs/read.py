@@ -1,45 +1,46 @@
-"""Reads logs from files."""
+"""Reads logs from files of any form that :mod:`trackmetrics.logs.formats` lists."""
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Unpack
 
-from trackmetrics.logs.header import Header, State
+from trackmetrics._tables import headings, opening
+from trackmetrics.logs import formats
+from trackmetrics.logs.header import HeaderArguments, LogHeader
 from trackmetrics.logs.log import EstimatorLog
-from trackmetrics.logs.normalize import build
-from trackmetrics.logs.tables import Renaming, chosen, from_file
+from trackmetrics.logs.normalize import normalize
+from trackmetrics.logs.selection import Renaming, select_columns
 
 
 def read_log(
     path: str | Path,
     *,
     columns: Renaming | None = None,
-    states: Sequence[State | str] | None = None,
-    state_dim: int | None = None,
-    angles: Mapping[str | int, float] | None = None,
-    measurement_angles: Mapping[str, Mapping[int, float]] | None = None,
-    time_unit: str | None = None,
     progress: bool = False,
+    **header: Unpack[HeaderArguments],
 ) -> EstimatorLog:
-    """Read a log from a ``.jsonl``, ``.csv`` or ``.parquet`` file, or a PX4 flight log (``.ulg``).
+    """Read a log from a file: JSON Lines, delimited text, Parquet, or a PX4 flight log.
 
     The columns are those of :meth:`EstimatorLog.from_columns`; a vector or a matrix is a list
-    (JSON Lines, Parquet) or one column an element, ``x[0]``, ``x[1]``, ... (CSV). The first record
-    of JSON Lines, or the first line of a CSV behind ``#``, may be the header that
-    :meth:`EstimatorLog.write` writes. Other columns are left alone.
+    (JSON Lines, Parquet) or one column an element, ``x[0]``, ``x[1]``, ... (delimited text). The
+    first record of JSON Lines, or the first line of text behind ``#``, may be the header that
+    :meth:`EstimatorLog.write` writes. Other columns are left alone. Files may be packed (gzip, xz,
+    zip with one member) and text in UTF-8 or UTF-16; columns of text may be separated by commas,
+    semicolons, tabs or blanks, with a decimal comma.
 
     Parameters
     ----------
     path
-        The file; its ending says in which form it is. Parquet needs ``pyarrow``, a flight log
-        (ULog: the innovations of each axis as a track) ``pyulog``, the extra ``px4``.
+        The file, or ``"-"`` for standard input. Parquet needs Polars (the extra ``files``, which
+        also makes the other forms many times faster), a flight log ``pyulog``, the extra ``px4``.
     columns
         Names of the file's columns where they differ: ``{"nis_dof": "df", "std": ["s0", "s1"]}``.
-    states, state_dim, angles, measurement_angles, time_unit
-        As in :meth:`EstimatorLog.from_columns`; they override the file's header.
     progress
-        Whether a bar on standard error shows how much of a ``.jsonl`` or ``.csv`` file is read,
-        where it takes longer than a second (needs the extra ``progress``).
+        Kept for callers of earlier releases: files are read whole, without a bar.
+    **header
+        ``states``, ``state_dim``, ``angles``, ``measurement_angles``, ``time_unit``, ``time``,
+        ``date_order``, ``covariance_forms``, ``on_repeats``, ``nis_scale`` as in
+        :meth:`EstimatorLog.from_columns`; they override the file's header. ``time="row"`` takes
+        the numbers of the rows in each track as times, where a file has no column ``time``.
 
     Returns
     -------
@@ -59,33 +60,21 @@ def read_log(
     >>> read_log(path, columns={"nis": "value", "nis_dof": "df"})
     EstimatorLog(1 track, 2 updates, columns: nis, nis_dof)
     """
-    path = Path(path)
-    table, found = from_file(path, progress)
-    header = _header(found, states, state_dim, angles, measurement_angles, time_unit)
+    content = opening.read(path)
+    form = formats.to_read(path, content)
+    table, found = form.read(content)
+    wanted = LogHeader(**header).over(found)
     try:
-        return EstimatorLog(*build(chosen(table, columns or {}), header))
+        chosen = select_columns(table, columns or {})
+        if wanted.time == "row":
+            chosen.pop("time", None)
+        elif wanted.time is not None:
+            raise ValueError(f"time must be 'row' or absent, got {wanted.time!r}")
+        elif "time" not in chosen and chosen:
+            raise ValueError(
+                f"no column time ({headings.nearest('time', list(table))}): name it by "
+                "columns={'time': ...}, or say time='row' for the numbers of the rows"
+            )
+        return EstimatorLog.from_parts(normalize(chosen, wanted))
     except ValueError as error:
-        raise type(error)(f"{path.name}: {error}") from None
-
-
-def _header(
-    found: Mapping[str, Any],
-    states: Sequence[State | str] | None,
-    state_dim: int | None,
-    angles: Mapping[str | int, float] | None,
-    measurement_angles: Mapping[str, Mapping[int, float]] | None,
-    time_unit: str | None,
-) -> Header:
-    """The file's header, overridden by what the caller says."""
-    listed = [State(s["name"], s.get("unit", ""), s.get("period")) for s in found.get("states", ())]
-    components = {
-        kind: {int(i): float(period) for i, period in of_kind.items()}
-        for kind, of_kind in found.get("measurement_angles", {}).items()
-    }
-    return Header(
-        states if states is not None else listed or None,
-        state_dim,
-        angles or {},
-        measurement_angles if measurement_angles is not None else components,
-        time_unit or found.get("time_unit", "s"),
-    )
+        raise type(error)(f"{content.name}: {error}") from None

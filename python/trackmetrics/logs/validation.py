@@ -3,7 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.logs.columns import COVARIANCES, DOFS, FLOATS, NUMBERS, Columns, Floats, present
+from trackmetrics._covariances import to_unit_diagonal
+from trackmetrics._tables.errors import value
+from trackmetrics.logs.columns import Columns, Floats, has_value
+from trackmetrics.logs.schema import (
+    COVARIANCE_COLUMNS,
+    DOF_COLUMNS,
+    NUMERIC_COLUMNS,
+    SCALAR_COLUMNS,
+    STATUSES,
+)
 
 
 def check_values(columns: Columns, timed: bool) -> None:
@@ -11,7 +20,7 @@ def check_values(columns: Columns, timed: bool) -> None:
     if timed and not np.isfinite(columns.time).all():
         row = int(np.argmin(np.isfinite(columns.time)))
         raise ValueError(f"time[{row}] is not finite: {float(columns.time[row])!r}")
-    for name in FLOATS:
+    for name in NUMERIC_COLUMNS:
         column = getattr(columns, name)
         if column is not None:
             _check_finite(name, column)
@@ -45,17 +54,17 @@ def _missing(name: str, matrices: Floats) -> NDArray[np.bool_]:
 
 def _check_numbers(columns: Columns) -> None:
     """NIS and NEES are not negative, degrees of freedom are positive and there for every NIS."""
-    for name in NUMBERS:
+    for name in SCALAR_COLUMNS:
         column = getattr(columns, name)
         if column is None:
             continue
-        bad = column <= 0 if name in DOFS else column < 0
+        bad = column <= 0 if name in DOF_COLUMNS else column < 0
         values = getattr(columns, name.removesuffix("_dof"))
         if values is not None:
             bad &= ~np.isnan(values)
         if bad.any():
             row = int(np.argmax(bad))
-            needed = "positive" if name in DOFS else "at least 0"
+            needed = "positive" if name in DOF_COLUMNS else "at least 0"
             raise ValueError(f"{name}[{row}] must be {needed}, got {float(column[row])!r}")
     if columns.nis is None or columns.innovation is not None or columns.z is not None:
         return
@@ -69,25 +78,29 @@ def _check_numbers(columns: Columns) -> None:
 def _check_status(columns: Columns) -> None:
     if columns.status is None:
         return
-    for row, status in enumerate(columns.status):
-        if status not in (None, "tentative", "active", "rejected"):
-            raise ValueError(
-                f"status[{row}] must be 'tentative', 'active' or 'rejected', got {status!r}"
-            )
+    bad = ~np.isin(columns.status.astype(str), [*STATUSES, "None"])
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise ValueError(
+            f"status[{row}] must be 'tentative', 'active' or 'rejected', "
+            f"got {value(columns.status[row])}"
+        )
 
 
 def _check_something_there(columns: Columns) -> None:
     """A row that holds no value is an error, unless it says that its track is tentative."""
     there = np.zeros(len(columns), bool)
-    for name in FLOATS:
+    for name in NUMERIC_COLUMNS:
         column = getattr(columns, name)
-        if column is not None and name not in (*DOFS, "H"):
-            there |= present(column)
+        if column is not None and name not in (*DOF_COLUMNS, "H"):
+            there |= has_value(column)
     if columns.status is not None:
         there |= columns.status == "tentative"
     if not there.all():
         row = int(np.argmin(there))
-        names = [n for n in FLOATS if n not in DOFS and getattr(columns, n) is not None]
+        names = [
+            n for n in NUMERIC_COLUMNS if n not in DOF_COLUMNS and getattr(columns, n) is not None
+        ]
         raise ValueError(
             f"row {row} holds no value ({', '.join(names)} missing): "
             "leave it out, or give its status as 'tentative'"
@@ -96,11 +109,11 @@ def _check_something_there(columns: Columns) -> None:
 
 def check_covariances(columns: Columns) -> None:
     """Every covariance that is there is symmetric and positive definite."""
-    for name in COVARIANCES:
+    for name in COVARIANCE_COLUMNS:
         column = getattr(columns, name)
         if column is None or column.shape[1] == 0:
             continue
-        rows = np.flatnonzero(present(column))
+        rows = np.flatnonzero(has_value(column))
         if len(rows):
             _check_symmetric(name, column, rows, columns)
             _check_definite(name, column, rows, columns)
@@ -119,7 +132,7 @@ def _check_symmetric(name: str, column: Floats, rows: NDArray[np.int64], columns
 
 
 def _check_definite(name: str, column: Floats, rows: NDArray[np.int64], columns: Columns) -> None:
-    scaled = unit_diagonal(column[rows])
+    scaled = to_unit_diagonal(column[rows])
     try:
         np.linalg.cholesky(scaled)
     except np.linalg.LinAlgError:
@@ -139,30 +152,3 @@ def _failing_minor(matrix: Floats) -> int:
         except np.linalg.LinAlgError:
             return size
     return 0
-
-
-def unit_diagonal(covariances: Floats) -> Floats:
-    """Covariances scaled to a unit diagonal, with an identity where components are missing.
-
-    Latitudes in degrees next to speeds in knots give condition numbers of 1e9; scaling costs
-    nothing and takes the units out. A variance that is not positive stays on the diagonal as it is.
-    """
-    whole = completed(covariances)
-    variances = np.einsum("kii->ki", whole)
-    d = np.sqrt(np.where(variances > 0, variances, 1.0))
-    scaled: Floats = (whole + whole.swapaxes(1, 2)) / (2 * d[:, :, None] * d[:, None, :])
-    return scaled
-
-
-def completed(covariances: Floats, there: NDArray[np.bool_] | None = None) -> Floats:
-    """Covariances with those of an identity for missing components, and for those not ``there``.
-
-    With an error of 0 such a component adds nothing to a quadratic form, and since it is
-    independent of the others it changes nothing of theirs.
-    """
-    absent = np.isnan(covariances)
-    if there is not None:
-        absent |= ~(there[:, :, None] & there[:, None, :])
-    if not absent.any():
-        return covariances
-    return np.where(absent, np.eye(covariances.shape[1]), covariances)

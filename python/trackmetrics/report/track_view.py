@@ -10,7 +10,7 @@ import numpy as np
 from trackmetrics.diagnostics import Diagnosis, QuantityVerdict, Segment, TrackDiagnosis
 from trackmetrics.diagnostics.timeline import Timeline
 from trackmetrics.logs import EstimatorLog, State
-from trackmetrics.logs.columns import Columns, incomplete
+from trackmetrics.logs.columns import Columns, rows_missing_components
 from trackmetrics.report.scene import Floats, floats
 from trackmetrics.report.theme import TrackStyle, track_styles
 
@@ -157,7 +157,7 @@ class TrackView:
     def _incomplete(self) -> Any:
         if self.rows is None or self.rows.innovation is None:
             return np.zeros(len(self.minutes), bool)
-        return incomplete(self.rows.innovation, self.rows.measurement_type)
+        return rows_missing_components(self.rows.innovation, self.rows.measurement_type)
 
     def _tentative(self) -> Any:
         assert self.rows is not None

@@ -4,6 +4,8 @@
 pub mod attribution;
 pub mod best_split;
 pub mod cusum;
+mod fixed;
+mod gamma;
 pub mod inflation;
 mod likelihood;
 mod noise_filter;

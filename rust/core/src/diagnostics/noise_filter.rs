@@ -10,6 +10,13 @@
 //! - C <- C - G G', C_i <- C_i - G Z_i - (G Z_i)', Z_i = H C_i - S_i G' / 2;
 //! - m <- m + G d, m_i <- m_i + C_i H' d + G (d_i - S_i d).
 
+#![allow(clippy::needless_range_loop, reason = "an index is shared by several matrices")]
+
+use super::fixed::{
+    Matrix, add_scaled, apply, congruence, dot, dot_first, load, product, product_transposed,
+    scaled, subtract,
+};
+use super::gamma::{LN_TWO_PI, ln_gamma};
 use super::noise_likelihood::{NoiseFactors, NoiseLog};
 use crate::error::{Error, Result};
 use crate::simd;
@@ -25,8 +32,6 @@ pub(super) struct Track {
     pub(super) mean: Vec<f64>,
     pub(super) covariance: Vec<f64>,
 }
-
-type Matrix<const A: usize, const B: usize> = [[f64; B]; A];
 
 /// The likelihood of one track, by the smallest compiled size that holds it.
 pub(super) fn filter(
@@ -277,8 +282,6 @@ fn add<const N: usize, const M: usize>(
     }
 }
 
-const LN_TWO_PI: f64 = 1.837_877_066_409_345_5;
-
 /// The derivative of d' d (whitened) by a factor: 2 d' d_i - d' S_i d.
 #[inline(always)]
 fn fall<const M: usize>(d: &[f64; M], d_i: &[f64; M], s_i: &Matrix<M, M>) -> f64 {
@@ -334,13 +337,6 @@ fn innovation<const N: usize, const M: usize>(
         }
     }
     Ok(seen)
-}
-
-/// Row i minus a multiple of row j.
-#[inline(always)]
-fn subtract<const A: usize, const B: usize>(m: &mut Matrix<A, B>, i: usize, j: usize, by: f64) {
-    let row = m[j];
-    m[i].iter_mut().zip(row).for_each(|(x, y)| *x -= by * y);
 }
 
 /// Derivatives of an innovation and its covariance; `own` is the factor of its R.
@@ -400,110 +396,4 @@ fn condition<const N: usize, const M: usize>(
             }
         }
     }
-}
-
-/// The first `rows` x `columns` elements, row by row, padded with zeros.
-#[inline(always)]
-fn load<const A: usize, const B: usize>(v: &[f64], rows: usize, columns: usize) -> Matrix<A, B> {
-    let mut matrix = [[0.0; B]; A];
-    if rows == A && columns == B {
-        let v = &v[..A * B];
-        for i in 0..A {
-            matrix[i].copy_from_slice(&v[i * B..(i + 1) * B]);
-        }
-        return matrix;
-    }
-    for i in 0..rows {
-        matrix[i][..columns].copy_from_slice(&v[i * columns..(i + 1) * columns]);
-    }
-    matrix
-}
-
-#[inline(always)]
-fn dot<const A: usize>(a: &[f64; A], b: &[f64; A]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-#[inline(always)]
-fn dot_first<const A: usize>(a: &[f64; A], b: &[f64; A], count: usize) -> f64 {
-    (0..count).map(|i| a[i] * b[i]).sum()
-}
-
-#[inline(always)]
-fn apply<const A: usize, const B: usize>(a: &Matrix<A, B>, v: &[f64; B]) -> [f64; A] {
-    std::array::from_fn(|i| dot(&a[i], v))
-}
-
-#[inline(always)]
-fn product<const A: usize, const B: usize, const C: usize>(
-    a: &Matrix<A, B>,
-    b: &Matrix<B, C>,
-) -> Matrix<A, C> {
-    let mut c = [[0.0; C]; A];
-    for i in 0..A {
-        for k in 0..B {
-            for j in 0..C {
-                c[i][j] += a[i][k] * b[k][j];
-            }
-        }
-    }
-    c
-}
-
-#[inline(always)]
-fn product_transposed<const A: usize, const B: usize, const C: usize>(
-    a: &Matrix<A, B>,
-    b: &Matrix<C, B>,
-) -> Matrix<A, C> {
-    std::array::from_fn(|i| std::array::from_fn(|j| dot(&a[i], &b[j])))
-}
-
-/// F C F' of a symmetric C: the columns of (F C)' combined by the rows of F.
-#[inline(always)]
-fn congruence<const N: usize>(f: &Matrix<N, N>, c: &Matrix<N, N>) -> Matrix<N, N> {
-    let left = product(f, c);
-    let mut columns = [[0.0; N]; N]; // (F C)'
-    for i in 0..N {
-        for j in 0..N {
-            columns[j][i] = left[i][j];
-        }
-    }
-    product(f, &columns)
-}
-
-#[inline(always)]
-fn scaled<const A: usize, const B: usize>(m: &Matrix<A, B>, by: f64) -> Matrix<A, B> {
-    m.map(|row| row.map(|x| x * by))
-}
-
-#[inline(always)]
-fn add_scaled<const A: usize, const B: usize>(to: &mut Matrix<A, B>, m: &Matrix<A, B>, by: f64) {
-    for i in 0..A {
-        for j in 0..B {
-            to[i][j] += by * m[i][j];
-        }
-    }
-}
-
-/// The logarithm of the gamma function at x > 0, by Lanczos' series with g = 7; 1e-14 relative.
-fn ln_gamma(x: f64) -> f64 {
-    const C: [f64; 9] = [
-        0.999_999_999_999_809_9,
-        676.520_368_121_885_1,
-        -1_259.139_216_722_402_8,
-        771.323_428_777_653_1,
-        -176.615_029_162_140_6,
-        12.507_343_278_686_905,
-        -0.138_571_095_265_720_12,
-        9.984_369_578_019_572e-6,
-        1.505_632_735_149_311_6e-7,
-    ];
-    if x < 0.5 {
-        let pi = std::f64::consts::PI;
-        return (pi / (pi * x).sin()).ln() - ln_gamma(1.0 - x);
-    }
-    let x = x - 1.0;
-    let sum = C[0] + (1..9).map(|i| C[i] / (x + i as f64)).sum::<f64>();
-    let t = x + 7.5;
-    0.5 * LN_TWO_PI + (x + 0.5) * t.ln() - t + sum.ln()
 }

@@ -101,6 +101,7 @@ def test_the_third_generation_and_several_filters(monkeypatch, tmp_path):
         Topic("estimator_innovations", 0, timestamp=[1], gps_vpos=[1.0]),
     )
     monkeypatch.setattr(pyulog, "ULog", lambda path: made)
+    (tmp_path / "flight.ulg").write_bytes(b"ULog")
     log = read_log(tmp_path / "flight.ulg")
     assert len(log.tracks) == 4
     own = log["GNSS position north (m), filter 1"]
@@ -113,6 +114,7 @@ def test_the_third_generation_and_several_filters(monkeypatch, tmp_path):
 
 def test_a_log_without_innovations_says_what_it_lacks(monkeypatch, tmp_path):
     monkeypatch.setattr(pyulog, "ULog", lambda path: Log(Topic("vehicle_status", timestamp=[1])))
+    (tmp_path / "flight.ulg").write_bytes(b"ULog")
     with pytest.raises(ValueError, match=r"flight.ulg: no innovations; expected a topic ekf2"):
         read_log(tmp_path / "flight.ulg")
 

@@ -1,0 +1,53 @@
+"""The columns of a log among those of a table, by their names or as the caller names them."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from trackmetrics._tables import headings
+from trackmetrics._tables.columns import Ragged, from_padded
+from trackmetrics._tables.errors import shown
+from trackmetrics.logs.schema import COLUMN_NAMES
+
+Renaming = Mapping[str, str | Sequence[str]]
+Table = Mapping[str, Any]
+
+
+def select_columns(table: Table, renaming: Renaming) -> dict[str, Any]:
+    """The columns of a log, with vectors put together from their elements."""
+    renamed = headings.match(list(table), COLUMN_NAMES)
+    table = {renamed.get(name, name): values for name, values in table.items()}
+    chosen = {name: table[name] for name in COLUMN_NAMES if name in table}
+    for name in COLUMN_NAMES:
+        parts = _parts(table, name)
+        if parts:
+            chosen[name] = _together([table[part] for part in parts])
+    for name, source in renaming.items():
+        names = [source] if isinstance(source, str) else list(source)
+        missing = [n for n in names if n not in table]
+        if missing:
+            raise ValueError(f"columns: no column {missing[0]!r}; there are {shown(table)}")
+        is_one = isinstance(source, str)
+        chosen[name] = table[names[0]] if is_one else _together([table[n] for n in names])
+    return chosen
+
+
+def _parts(table: Table, name: str) -> list[str]:
+    """``x[0]``, ``x[1]``, ... in the order of their indices."""
+    found = [re.fullmatch(rf"{name}\[(\d+)\]", key) for key in table]
+    return [m.string for m in sorted((m for m in found if m), key=lambda m: int(m.group(1)))]
+
+
+def _together(parts: Sequence[Any]) -> Ragged:
+    """Columns side by side, one list a row, without what is missing at the end."""
+    arrays = [np.asarray(part) for part in parts]
+    if all(a.dtype.kind in "biuf" for a in arrays):
+        return from_padded(np.column_stack(arrays).astype(np.float64))
+    cells = np.empty((len(arrays[0]), len(arrays)), object)
+    for place, array in enumerate(arrays):
+        cells[:, place] = [None if v is None or v != v else v for v in array.tolist()]
+    there = cells != None  # noqa: E711 - elementwise
+    lengths = np.where(there.any(axis=1), len(arrays) - np.argmax(there[:, ::-1], axis=1), 0)
+    return Ragged(cells[np.arange(len(arrays)) < lengths[:, None]], lengths.astype(np.int64))
