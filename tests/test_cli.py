@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from trackmetrics.cli import COMMANDS, main
+from trackmetrics.cli import main
+from trackmetrics.cli._commands import COMMANDS
 from trackmetrics.cli._renamed_options import OPTIONS, with_new_names
 from trackmetrics.cli._table import Column, Table, fitting, to_text
 from trackmetrics.cli._verdicts import COLUMNS, diagnosis_table, since
