@@ -1,4 +1,4 @@
-"""The Rust kernels, as Python sees them; ``_numpy`` has a twin of each."""
+"""The Rust kernels, as Python sees them; ``_numpy`` has a reference implementation of each."""
 
 from typing import Any
 
