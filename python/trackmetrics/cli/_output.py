@@ -29,10 +29,11 @@ class Command(click.Command):
 
     def get_help(self, context: click.Context) -> str:
         """The help, with the suffixes of logs from the list of their formats."""
-        for described in (self, *self.params):
+        parts: tuple[Any, ...] = (self, *self.params)
+        for described in parts:
             text = getattr(described, "help", None) or ""
             if "{read}" in text or "{written}" in text:
-                described.help = _with_suffixes(text)  # type: ignore[union-attr]
+                described.help = _with_suffixes(text)
         return super().get_help(context)
 
     def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
