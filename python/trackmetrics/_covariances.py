@@ -1,10 +1,24 @@
-"""Linear algebra of stacks of small covariances whose components may be missing (NaN)."""
+"""Linear algebra of stacks of small covariances whose components may be missing (NaN).
+
+Long stacks are processed in blocks of rows: temporary arrays then stay in the processor's cache and
+take no memory beside the stack's own. Each row's numbers are the same in any block.
+"""
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+BLOCK_ROWS = 4096
+MIN_SURE_PIVOT = 1e-8
+
+
+def row_blocks(rows: int) -> Iterator[slice]:
+    """Slices of at most ``BLOCK_ROWS`` rows that cover all rows."""
+    for first in range(0, rows, BLOCK_ROWS):
+        yield slice(first, min(first + BLOCK_ROWS, rows))
 
 
 def valid_components(vectors: Floats, covariances: Floats) -> Mask:
@@ -52,9 +66,32 @@ def whitened(errors: Floats, covariances: Floats, valid: Mask) -> Floats:
 def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
     """``e' P^-1 e`` of each row over its valid components; NaN where there is none."""
     forms = np.full(len(errors), np.nan)
+    for block in row_blocks(len(errors)):
+        forms[block] = _quadratic_forms(errors[block], covariances[block])
+    return forms
+
+
+def _quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
+    forms = np.full(len(errors), np.nan)
     valid = valid_components(errors, covariances)
     rows = valid.any(axis=1)
     if rows.any():
         white = whitened(errors[rows], covariances[rows], valid[rows])
         forms[rows] = (white**2).sum(axis=1)
     return forms
+
+
+def surely_definite(unit: Floats) -> Mask:
+    """Which of these covariances of unit diagonal are positive definite beyond rounding.
+
+    A Cholesky factorisation of all rows at once, element by element: a row whose pivots all stay
+    above ``MIN_SURE_PIVOT`` is definite for LAPACK as well. The others need a closer look.
+    """
+    columns = np.moveaxis(unit, 0, -1).copy()
+    sure = np.ones(len(unit), bool)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        for j in range(len(columns)):
+            sure &= columns[j, j] > MIN_SURE_PIVOT
+            below = columns[j + 1 :, j] / columns[j, j]
+            columns[j + 1 :, j + 1 :] -= below[:, None] * columns[j + 1 :, j][None]
+    return sure

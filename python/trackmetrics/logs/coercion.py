@@ -44,8 +44,11 @@ def as_strings(name: str, values: Any, rows: int) -> Strings:
     column = np.empty(rows, object)
     if isinstance(values, np.ndarray) and values.dtype.kind in "fiu":
         column[:] = _number_texts(values)
-    else:
-        column[:] = [None if is_missing(v) else str(v) for v in values]
+        return column
+    listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
+    if not set(map(type, listed)) <= {str, type(None)}:
+        listed = [None if is_missing(v) else str(v) for v in listed]
+    column[:] = listed
     return column
 
 
