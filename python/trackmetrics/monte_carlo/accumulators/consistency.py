@@ -7,6 +7,7 @@ import numpy as np
 
 from trackmetrics import _backend, _check, errors
 from trackmetrics.monte_carlo.accumulators.base import Accumulator, Counts
+from trackmetrics.monte_carlo.accumulators.histogram import BINS
 from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
 from trackmetrics.monte_carlo.run_tree import Floats
 
@@ -21,8 +22,9 @@ class ConsistencyAccumulator(Accumulator):
     For the error e of each run and step with its covariance P, and q = e' P^-1 e, it keeps over
     the runs: sums of q (ANEES), q^2, 10 log10 q (inclination) and its distance from what a
     consistent filter expects (noncredibility), of e (bias: estimate minus truth), e^2 (RMSE) and
-    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the ``levels`` quantiles of chi-square (coverage);
-    and a histogram of q. The same of innovations with their covariances, where they are given.
+    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the ``levels``
+    quantiles of chi-square (coverage); and a histogram of q. The same of innovations with their
+    covariances, where they are given.
 
     Parameters
     ----------
@@ -162,6 +164,15 @@ class ConsistencyAccumulator(Accumulator):
             found[name] = FormStatistics.of(row, d, under, histogram, levels, confidence, sign=sign)
             start += width
         return ConsistencySummary(self.runs, found.get("states"), found.get("innovations"))
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        width = 0
+        counts: dict[str, tuple[int, ...]] = {}
+        for name, (steps, d) in (self.shape or {}).items():
+            width += steps * (4 + 3 * d)
+            counts[f"{name} under"] = (1 + len(self.settings["levels"]), steps)
+            counts[f"{name} histogram"] = (steps, BINS)
+        return width, counts
 
 
 def chi_square_quantiles(levels: Any, dimension: Any) -> Floats:
