@@ -10,8 +10,9 @@ import numpy as np
 from trackmetrics import _backend, _check
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.accumulators.scores import block_level
-from trackmetrics.monte_carlo.checkpoint import Checkpoint, identity
+from trackmetrics.monte_carlo.checkpoint import Checkpoint
 from trackmetrics.monte_carlo.driver import run_jobs
+from trackmetrics.monte_carlo.identity import identity
 from trackmetrics.monte_carlo.jobs import Job
 from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.results import SweepResult
