@@ -295,7 +295,7 @@ def test_a_bad_call_changes_nothing():
     tracker = tracked(straight())
     bad = straight(times=[700.0, 760.0])
     bad.z[1, 0] = np.nan
-    with pytest.raises(ValueError, match=r"report at time 760\.0 cannot be used"):
+    with pytest.raises(ValueError, match=r"^lat of the report at time 760\.0 is not finite: nan$"):
         tracker.add(bad)
     assert len(tracker.log()) == 10
     with pytest.raises(ValueError, match=r"truth has shape \(2, 4\), expected \(10, 5\)"):
@@ -474,7 +474,7 @@ def test_a_filter_that_claims_too_much_is_found_by_its_predictions():
             "acceleration_density must be at least 0 and finite, got -1.0",
         ),
         ({"turn_rate_decay": 0}, "turn_rate_decay must be positive, got 0.0"),
-        ({"tentative": 0}, "tentative must be positive, got 0.0"),
+        ({"tentative": 0}, "tentative must be a whole number, at least 1, got 0"),
         ({"max_speed": np.inf}, "max_speed must be positive and finite, got inf"),
         ({"gate": 1.0}, "gate must be between 0 and 1, got 1.0"),
     ],
