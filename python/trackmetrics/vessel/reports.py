@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import errors
+from trackmetrics import _check, errors
 from trackmetrics._tables import times
 from trackmetrics._tables.errors import value
 from trackmetrics.vessel.settings import KINDS, OBSERVED, SLOW, Floats
@@ -114,6 +114,28 @@ class Reports:
     def __repr__(self) -> str:
         """How many of what."""
         return f"Reports({len(self)} reports, {len(self.vessels)} identities)"
+
+
+def thin(reports: Reports, seconds: float) -> NDArray[np.bool_]:
+    """Which reports are used where each vessel reports at most once in so many seconds.
+
+    The others can test the predictions of the filter: see :func:`predictive_nis`.
+
+    >>> reports = Reports.from_columns(time=[0, 30, 60, 90], lat=[0] * 4, lon=[0] * 4,
+    ...                                vessel=["a"] * 4)
+    >>> thin(reports, 60).tolist()
+    [True, False, True, False]
+    """
+    if not _check.number("seconds", seconds) > 0:
+        raise errors.parameter("seconds", "positive", seconds)
+    last: dict[Any, float] = {}
+    used = np.zeros(len(reports), bool)
+    moments: Floats = reports.time
+    for k in np.argsort(moments, kind="stable"):
+        vessel = reports.vessel[k]
+        if moments[k] - last.get(vessel, -np.inf) >= seconds:
+            last[vessel], used[k] = float(moments[k]), True
+    return used
 
 
 def _column(name: str, values: Any, n: int | None) -> Floats:
