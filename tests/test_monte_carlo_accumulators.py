@@ -11,6 +11,8 @@ from scipy import stats
 
 import trackmetrics
 from trackmetrics import _native, _numpy
+from trackmetrics.diagnostics import diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.monte_carlo import (
     ConsistencyAccumulator,
     LabelAccumulator,
@@ -152,9 +154,9 @@ def test_every_statistic_is_its_definition():
     s = result.states
     assert result.anees == pytest.approx(q.mean(0) / 3, rel=1e-9)
     assert result.rmse == pytest.approx(np.sqrt((e**2).mean(0)), rel=1e-9)
-    assert s.bias == pytest.approx(e.mean(0), rel=1e-9)
+    assert s.bias == pytest.approx(-e.mean(0), rel=1e-9)  # estimate minus truth
     z = e / np.sqrt(np.einsum("rtjj->rtj", batch["covariances"]))
-    assert s.normalized_mean_error == pytest.approx(z.mean(0), rel=1e-9)
+    assert s.normalized_mean_error == pytest.approx(-z.mean(0), rel=1e-9)
     assert s.deviation == pytest.approx(q.std(0, ddof=1) / np.sqrt(6), rel=1e-9)
     for level in (0.5, 0.9, 0.95, 0.99):
         share = (q <= stats.chi2.ppf(level, 3)).mean(0)
@@ -267,7 +269,37 @@ def test_angles_are_wrapped():
     accumulator.update(batch, 0)
     result = accumulator.result()
     assert result.anees[0] * 2 == pytest.approx((5 + 180**2) / 2)
-    assert result.states.bias[0].tolist() == [0.5, (-2 + 180) / 2]
+    assert result.states.bias[0].tolist() == [-0.5, (2 - 180) / 2]
+
+
+def test_bias_is_estimate_minus_truth_in_a_sweep_and_in_a_diagnosis():
+    rng = np.random.default_rng(3)
+    truth = np.cumsum(rng.normal(size=(400, 2)), axis=0)
+    estimates = truth + 1.0 + rng.normal(size=(400, 2))
+    covariances = np.tile(np.eye(2), (400, 1, 1))
+    accumulator = ConsistencyAccumulator()
+    batch = {"truth": truth, "estimates": estimates, "covariances": covariances}
+    accumulator.update({name: array[None] for name, array in batch.items()}, 0)
+    states = accumulator.result().states
+    log = EstimatorLog.from_columns(
+        time=np.arange(400.0), x=estimates, P=covariances, truth=truth, A=np.zeros((400, 2, 2))
+    )
+    (track,) = diagnose(log).values()
+    assert [bias.value for bias in track.biases] == pytest.approx(states.bias.mean(0), abs=0.01)
+    assert states.bias.mean(0) == pytest.approx([1.0, 1.0], abs=0.15)
+    assert states.normalized_mean_error.mean(0) == pytest.approx([1.0, 1.0], abs=0.15)
+    assert trackmetrics.normalized_mean_error(estimates - truth, np.eye(2)).value == pytest.approx(
+        states.bias.mean(0)
+    )
+
+
+def test_the_bias_of_innovations_is_their_mean():
+    accumulator = ConsistencyAccumulator()
+    innovations = np.full((5, 3, 1), 0.5)
+    covariances = np.ones((5, 3, 1, 1))
+    batch = {"innovations": innovations, "innovation_covariances": covariances}
+    accumulator.update(batch, 0)
+    assert accumulator.result().innovations.bias.ravel().tolist() == [0.5] * 3
 
 
 def test_what_cannot_be_accumulated_says_why():
@@ -285,7 +317,7 @@ def test_what_cannot_be_accumulated_says_why():
         accumulator.update({k: v[:, :2] for k, v in part(BATCH, 0, 3).items()}, 20)
     with pytest.raises(ValueError, match=r"other settings: levels is \[0.5\], expected"):
         accumulator.merge(ConsistencyAccumulator(levels=[0.5]))
-    with pytest.raises(TypeError, match="cannot take in a ScoreAccumulator"):
+    with pytest.raises(TypeError, match="cannot merge a ScoreAccumulator into a"):
         accumulator.merge(ScoreAccumulator())
     with pytest.raises(ValueError, match="first_run must be a whole number, at least 0, got -1"):
         accumulator.update(part(BATCH, 0, 10), -1)

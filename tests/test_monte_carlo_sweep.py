@@ -98,7 +98,7 @@ def test_a_checkpoint_is_gone_on_from(whole, tmp_path):
         ({"version": "b"}, "version was 'a', is 'b'"),
         ({"simulate": cases.failing}, "simulate was '.*honest', is '.*failing'"),
         ({"angles": {1: 360.0}}, "angles was None, is"),
-        ({"runs": 10}, "the checkpoint has 20 runs, runs is 10"),
+        ({"runs": 10}, "the checkpoint already holds 20 runs, more than runs=10"),
     ],
 )
 def test_a_checkpoint_of_another_sweep_is_refused(tmp_path, changes, message):

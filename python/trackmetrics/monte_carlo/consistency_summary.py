@@ -40,10 +40,11 @@ class FormStatistics:
     rmse_interval: Floats
     """Its interval for Gaussian errors, ``(steps, n, 2)``."""
     bias: Floats
-    """Mean error of each component, ``(steps, n)``."""
+    """Mean error of each component, ``(steps, n)``: estimate minus truth, so that +1 is an estimate
+    that is too large by 1. For innovations their mean, as they were given."""
     normalized_mean_error: Floats
-    """Mean of e_j / sqrt(P_jj), ``(steps, n)``; within ``normalized_mean_error_bound`` of 0 for an
-    honest filter."""
+    """Mean of e_j / sqrt(P_jj) with the sign of ``bias``, ``(steps, n)``; within
+    ``normalized_mean_error_bound`` of 0 for a consistent filter."""
     normalized_mean_error_bound: Floats
     """``(steps,)``."""
     coverage: dict[float, Floats]
@@ -71,8 +72,13 @@ class FormStatistics:
         histogram: NDArray[np.int64],
         levels: Sequence[float],
         confidence: float,
+        *,
+        sign: float,
     ) -> Self:
-        """From the sums of an accumulator."""
+        """From the sums of an accumulator; ``sign`` turns its mean error into that of ``bias``.
+
+        Accumulators keep sums of truth minus estimate.
+        """
         runs = under[0]
         steps, n = len(runs), runs.astype(np.float64)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -95,8 +101,9 @@ class FormStatistics:
             deviation=spread,
             rmse=np.sqrt(squares),
             rmse_interval=_rmse_interval(np.sqrt(squares), n, confidence),
-            bias=e,
-            normalized_mean_error=normalised,
+            # 0.0 + x, so that no bias is 0 and not -0.
+            bias=0.0 + sign * e,
+            normalized_mean_error=0.0 + sign * normalised,
             normalized_mean_error_bound=one,
             coverage=dict(zip(levels, shares, strict=True)),
             covered=dict(zip(levels, under[1:], strict=True)),

@@ -14,6 +14,10 @@ from trackmetrics import _backend
 from trackmetrics.monte_carlo.jobs import Done, Job, work
 
 
+def _cannot_restart() -> bool:
+    return False
+
+
 @dataclass(frozen=True)
 class Workers:
     """Takes jobs."""
@@ -23,6 +27,8 @@ class Workers:
     """The most jobs that may be given and not yet taken back."""
     abandon: Callable[[], None]
     """Stops at once, whatever is lost."""
+    restart: Callable[[], bool] = _cannot_restart
+    """Starts new workers where one has died; whether that can be done."""
 
 
 @contextmanager
@@ -115,8 +121,14 @@ def _processes(count: int, simulate: Callable[..., Any]) -> Iterator[Workers]:
         for process in processes:
             process.terminate()
 
+    def restart() -> bool:
+        nonlocal pool
+        pool.shutdown(wait=True, cancel_futures=True)
+        pool = ProcessPoolExecutor(count, initializer=_begin)
+        return True
+
     try:
-        yield Workers(lambda job: pool.submit(work, job), 2 * count, abandon)
+        yield Workers(lambda job: pool.submit(work, job), 2 * count, abandon, restart)
     finally:
         if not ended:
             pool.shutdown(wait=True, cancel_futures=True)

@@ -1,6 +1,8 @@
 """Some runs of one setting, wherever they are worked on: the part of a sweep that travels."""
 
 import os
+import pickle
+import signal
 import threading
 import time
 import traceback
@@ -16,7 +18,7 @@ from trackmetrics import _backend
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import RunMismatchError, Tally
 
 ARRAYS = ("truth", "estimates", "covariances", "innovations", "innovation_covariances")
 _TOGETHER = 64
@@ -77,6 +79,25 @@ def work(job: Job, stopped: threading.Event | None = None) -> Done:
     return Done(job.setting, reducer.tally, time.perf_counter() - start)
 
 
+def _is_interrupted_by_user(job: Job) -> bool:
+    """Ctrl-C arrives in the main thread of the process of the sweep; elsewhere a run raised it."""
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    return in_main_thread and job.origin == here()
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """In a worker process: leaves Ctrl-C to the process of the sweep."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before if before is not None else signal.SIG_DFL)
+
+
 @contextmanager
 def _as_asked(job: Job) -> Iterator[None]:
     """In a process of its own, a job brings its backend and its number of kernel threads."""
@@ -84,7 +105,7 @@ def _as_asked(job: Job) -> Iterator[None]:
         yield
         return
     before = _backend.threads()
-    with _backend.use_backend(job.backend):
+    with _backend.use_backend(job.backend), _without_interrupts():
         _backend.set_threads(job.threads)
         try:
             yield
@@ -104,8 +125,7 @@ class _Reducer:
     def simulate(self, run: int) -> None:
         """One run; its arrays wait to be reduced with those of its neighbours."""
         try:
-            output = self.job.simulate(generator(self.job.seed, run), **self.job.settings)
-            output = _checked(output)
+            output = _checked(self._simulated(run))
         except Exception as error:
             self.reduce()
             self._fail(run, error)
@@ -115,6 +135,17 @@ class _Reducer:
         self.bytes += sum(x.nbytes for x in output.values() if isinstance(x, np.ndarray))
         if len(self.outputs) == _TOGETHER or self.bytes > _BYTES:
             self.reduce()
+
+    def _simulated(self, run: int) -> Any:
+        """What the run returns; one that wants to end the program fails instead."""
+        try:
+            return self.job.simulate(generator(self.job.seed, run), **self.job.settings)
+        except SystemExit as error:
+            raise RuntimeError(f"simulate called sys.exit({error.code!r})") from error
+        except KeyboardInterrupt as error:
+            if _is_interrupted_by_user(self.job):
+                raise
+            raise RuntimeError("simulate raised KeyboardInterrupt") from error
 
     def reduce(self) -> None:
         """Reduces what waits; where that fails, run by run, to find the one at fault."""
@@ -128,20 +159,42 @@ class _Reducer:
             if len(outputs) == 1:
                 self._fail(first, error)
                 return
-            failed = len(self.tally.failures)
             for i, output in enumerate(outputs):
                 self.outputs, self.first = [output], first + i
                 self.reduce()
-            if len(self.tally.failures) == failed:
-                raise
+            self.first = first + len(outputs)
 
     def _fail(self, run: int, error: Exception) -> None:
         if not self.job.collect:
-            given = ", ".join(f"{name}={value!r}" for name, value in self.job.settings.items())
-            error.add_note(f"in run {run} of seed {self.job.seed}{given and f' with {given}'}")
-            raise error
+            error.add_note(f"in {described(self.job, run)}")
+            raise error if self.job.origin == here() else _travelling(error)
+        if isinstance(error, RunMismatchError):
+            self.tally.fail(run, *mismatch(error))
+            return
         text = traceback.format_exception_only(error)[0].strip()
         self.tally.fail(run, text, "".join(traceback.format_exception(error)))
+
+
+def described(job: Job, run: int) -> str:
+    """The run of a job, for messages."""
+    given = ", ".join(f"{name}={value!r}" for name, value in job.settings.items())
+    return f"run {run} of seed {job.seed}{given and f' with {given}'}"
+
+
+def mismatch(error: RunMismatchError) -> tuple[str, str]:
+    """Error and traceback of such a run: the same in whatever job it was."""
+    return f"ValueError: {error}", ""
+
+
+def _travelling(error: Exception) -> Exception:
+    """The exception, or its text where it cannot be sent to another process."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        text = RuntimeError(traceback.format_exception_only(error)[0].strip())
+        text.add_note(error.__notes__[-1])
+        return text
+    return error
 
 
 def _checked(output: Any) -> dict[str, Any]:

@@ -12,12 +12,17 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
+MAX_LEVEL = 62
+"""Of a node: run numbers fit into 64 bits."""
+MAX_RUNS = 1 << MAX_LEVEL
+"""More runs than any sweep has."""
+
 Floats = NDArray[np.float64]
 Row = Floats | None
 """The sums of a node; None where none of its runs gave anything."""
 
 
-def canonical(first: int, stop: int, top: int = 62) -> Iterator[tuple[int, int]]:
+def canonical(first: int, stop: int, top: int = MAX_LEVEL) -> Iterator[tuple[int, int]]:
     """The nodes (start, level) of the runs ``first .. stop``, none above level ``top``."""
     while first < stop:
         level = min((stop - first).bit_length() - 1, top)
@@ -30,7 +35,7 @@ def canonical(first: int, stop: int, top: int = 62) -> Iterator[tuple[int, int]]
 class RunTree:
     """The nodes of a set of runs, none above level ``top``, each with a row of sums."""
 
-    def __init__(self, top: int = 62) -> None:
+    def __init__(self, top: int = MAX_LEVEL) -> None:
         self.top = top
         self._nodes: dict[int, tuple[int, Row]] = {}
 

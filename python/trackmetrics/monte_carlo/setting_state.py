@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from trackmetrics.monte_carlo import serialization
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
-from trackmetrics.monte_carlo.run_tree import RunTree, canonical
+from trackmetrics.monte_carlo.run_tree import MAX_RUNS, RunTree, canonical, first_overlap
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,16 @@ class Failure:
     error: str
     """The exception and its message, in one line."""
     traceback: str
-    """Where it was raised."""
+    """Where it was raised; empty where a worker process died, or where the result of the run did
+    not fit those of earlier runs."""
 
     def to_dict(self) -> dict[str, Any]:
         """The fields."""
         return asdict(self)
+
+
+class RunMismatchError(ValueError):
+    """Runs that gave other results than the runs before them: other names, or other shapes."""
 
 
 class Tally:
@@ -63,14 +68,12 @@ class Tally:
         """Says that these runs are done, in every cell."""
         for name, cell in self.cells.items():
             if cell.covered != _joined(self._covered, first, stop):
-                raise ValueError(f"the runs {first}..{stop} gave no {name}, others did")
+                raise ValueError(f"the runs {first}..{stop} gave no {name!r}, earlier runs did")
         self._cover(first, stop)
 
     def merge(self, other: "Tally") -> None:
         """Adds other runs of the same setting."""
-        if self.cells and other.cells and self.cells.keys() != other.cells.keys():
-            ours, theirs = sorted(self.cells), sorted(other.cells)
-            raise ValueError(f"some runs gave {', '.join(ours)}, others {', '.join(theirs)}")
+        self._require_mergeable(other)
         for name in self.cells.keys() | other.cells.keys():
             if name not in other.cells:
                 _skip_all(self.cells[name], other)
@@ -81,6 +84,21 @@ class Tally:
                 known.merge(other.cells[name])
         self.failures |= other.failures
         self._covered.merge(other._covered)
+
+    def _require_mergeable(self, other: "Tally") -> None:
+        """Raise before anything is changed."""
+        if overlap := first_overlap(self._covered, other._covered):
+            raise ValueError(f"the runs {overlap[0]}..{overlap[1]} are in both")
+        if self.cells and other.cells and self.cells.keys() != other.cells.keys():
+            ours, theirs = sorted(self.cells), sorted(other.cells)
+            raise RunMismatchError(
+                f"these runs gave {', '.join(theirs)}, earlier runs gave {', '.join(ours)}"
+            )
+        for name in self.cells.keys() & other.cells.keys():
+            try:
+                self.cells[name].require_mergeable(other.cells[name])
+            except (TypeError, ValueError) as error:
+                raise RunMismatchError(f"{name}: {error}") from None
 
     def _opened(self, like: Accumulator) -> Accumulator:
         """An accumulator for runs of which those so far gave nothing."""
@@ -109,13 +127,29 @@ class Tally:
         header, body = serialization.opened(data, "Tally")
         made, place = cls(), 0
         kinds = accumulator_kinds()
-        for name, kind, size in header["cells"]:
-            made.cells[name] = kinds[kind].from_bytes(body[place : place + size])
-            place += size
-        made.failures = {run: (error, text) for run, error, text in header["failures"]}
-        for first, stop in header["covered"]:
-            made._cover(first, stop)
+        with serialization.refusing_malformed():
+            for name, kind, size in header["cells"]:
+                if kind not in kinds or name in made.cells:
+                    raise ValueError(f"cell {name!r} of kind {kind!r}")
+                if not 0 <= serialization.whole(size) <= len(body) - place:
+                    raise ValueError(f"cell {name!r} of {size} bytes")
+                made.cells[str(name)] = kinds[kind].from_bytes(body[place : place + size])
+                place += size
+            for run, error, text in header["failures"]:
+                made.failures[serialization.whole(run)] = (str(error), str(text))
+            made._read_covered(header["covered"])
         return made
+
+    def _read_covered(self, intervals: list[list[int]]) -> None:
+        end = 0
+        for first, stop in intervals:
+            if not end <= serialization.whole(first) < serialization.whole(stop) <= MAX_RUNS:
+                raise ValueError(f"runs {first}..{stop}")
+            self._cover(first, stop)
+            end = stop
+        for name, cell in self.cells.items():
+            if cell.covered != self.covered:
+                raise ValueError(f"cell {name!r} has other runs")
 
 
 def accumulator_kinds() -> Mapping[str, type[Accumulator]]:

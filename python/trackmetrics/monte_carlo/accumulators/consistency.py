@@ -7,6 +7,7 @@ import numpy as np
 
 from trackmetrics import _backend, _check, errors
 from trackmetrics.monte_carlo.accumulators.base import Accumulator, Counts
+from trackmetrics.monte_carlo.accumulators.histogram import BINS
 from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
 from trackmetrics.monte_carlo.run_tree import Floats
 
@@ -19,10 +20,11 @@ class ConsistencyAccumulator(Accumulator):
     """ANEES, RMSE and their kin over many runs, step by step, without keeping the runs.
 
     For the error e of each run and step with its covariance P, and q = e' P^-1 e, it keeps over
-    the runs: sums of q (ANEES), q^2, 10 log10 q (inclination) and its distance from what an honest
-    filter expects (noncredibility), of e (bias), e^2 (RMSE) and e / sqrt(P_jj) (normalised mean
-    error) of every state; how many q lie below the ``levels`` quantiles of chi-square (coverage);
-    and a histogram of q. The same of innovations with their covariances, where they are given.
+    the runs: sums of q (ANEES), q^2, 10 log10 q (inclination) and its distance from what a
+    consistent filter expects (noncredibility), of e (bias: estimate minus truth), e^2 (RMSE) and
+    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the ``levels``
+    quantiles of chi-square (coverage); and a histogram of q. The same of innovations with their
+    covariances, where they are given.
 
     Parameters
     ----------
@@ -158,9 +160,19 @@ class ConsistencyAccumulator(Accumulator):
             row = np.zeros(width) if total is None else total[start : start + width]
             under, histogram = self._counts[f"{name} under"], self._counts[f"{name} histogram"]
             levels = tuple(self.settings["levels"])
-            found[name] = FormStatistics.of(row, d, under, histogram, levels, confidence)
+            sign = -1.0 if name == "states" else 1.0
+            found[name] = FormStatistics.of(row, d, under, histogram, levels, confidence, sign=sign)
             start += width
         return ConsistencySummary(self.runs, found.get("states"), found.get("innovations"))
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        width = 0
+        counts: dict[str, tuple[int, ...]] = {}
+        for name, (steps, d) in (self.shape or {}).items():
+            width += steps * (4 + 3 * d)
+            counts[f"{name} under"] = (1 + len(self.settings["levels"]), steps)
+            counts[f"{name} histogram"] = (steps, BINS)
+        return width, counts
 
 
 def chi_square_quantiles(levels: Any, dimension: Any) -> Floats:

@@ -92,6 +92,9 @@ class LabelAccumulator(Accumulator):
         """The sums so far."""
         return LabelSummary(self.runs, {name: int(n[0]) for name, n in self._counts.items()})
 
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        return 0, dict.fromkeys((self.shape or {"names": []})["names"], (1,))
+
 
 def _whole(name: str, values: Any) -> Any:
     array = np.atleast_1d(np.asarray(values))

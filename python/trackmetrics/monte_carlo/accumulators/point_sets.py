@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from trackmetrics import _backend, errors, point_sets
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
-from trackmetrics.monte_carlo.accumulators.histogram import quantiles
+from trackmetrics.monte_carlo.accumulators.histogram import BINS, quantiles
 from trackmetrics.monte_carlo.run_tree import Floats
 
 _COLUMNS = ("ospa", "gospa", "localization", "missed", "false")
@@ -162,6 +162,10 @@ class PointSetAccumulator(Accumulator):
             ospa_histogram=self._counts.get("ospa", none),
             gospa_histogram=self._counts.get("gospa", none),
         )
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        steps = self.shape["steps"] if self.shape else 0
+        return 7 * steps, dict.fromkeys(("ospa", "gospa"), (steps, BINS)) if self.shape else {}
 
 
 def _flat(runs: Sequence[Sequence[Any]]) -> list[Any]:

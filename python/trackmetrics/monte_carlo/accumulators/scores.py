@@ -100,3 +100,6 @@ class ScoreAccumulator(Accumulator):
                 starts.append(start)
                 means.append(row[column] / (1 << level))
         return np.array(starts, np.int64), np.array(means, np.float64)
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        return 2 * len(self.names), {}
