@@ -3,18 +3,18 @@
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from typing import Any
 
-from trackmetrics.monte_carlo.executors import Workers, uninterrupted, workers_of
-from trackmetrics.monte_carlo.jobs import Done, Job, described
+from trackmetrics.monte_carlo.executors import Workers, open_workers, uninterrupted
+from trackmetrics.monte_carlo.jobs import Job, JobResult, describe_run
 from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.sweep_state import SweepState, single_runs
 
-Pending = dict["Future[Done]", Job]
+Pending = dict["Future[JobResult]", Job]
 
 
 def run_jobs(state: SweepState, executor: Any, count: int | None, bar: Progress) -> None:
     """Works on all jobs; on an error, keeps what has finished and gives up the rest."""
     template = state.template
-    with workers_of(executor, count, template.simulate, template.threads) as workers:
+    with open_workers(executor, count, template.simulate, template.threads) as workers:
         pending: Pending = {}
         try:
             while True:
@@ -52,7 +52,7 @@ def _collect(state: SweepState, workers: Workers, pending: Pending, bar: Progres
             bar.add(_take(state, pending.pop(future), future))
 
 
-def _take(state: SweepState, job: Job, future: "Future[Done]") -> int:
+def _take(state: SweepState, job: Job, future: "Future[JobResult]") -> int:
     """Adds a finished job; how many runs that were."""
     error = future.exception()
     if error is None:
@@ -90,7 +90,7 @@ def _replace_workers(
         _restart(workers, error_again)
         text = "its worker process died, twice: killed, out of memory, or ended by its own code"
         if not state.collects:
-            raise RuntimeError(f"{described(job, job.first)}: {text}") from error_again
+            raise RuntimeError(f"{describe_run(job, job.first)}: {text}") from error_again
         bar.add(state.fail(job, f"RuntimeError: {text}"))
 
 

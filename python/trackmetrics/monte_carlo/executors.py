@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from trackmetrics import _backend
-from trackmetrics.monte_carlo.jobs import Done, Job, work
+from trackmetrics.monte_carlo.jobs import Job, JobResult, work
 
 
 def _cannot_restart() -> bool:
@@ -22,7 +22,7 @@ def _cannot_restart() -> bool:
 class Workers:
     """Takes jobs."""
 
-    submit: Callable[[Job], "Future[Done]"]
+    submit: Callable[[Job], "Future[JobResult]"]
     in_flight: int
     """The most jobs that may be given and not yet taken back."""
     abandon: Callable[[], None]
@@ -32,12 +32,12 @@ class Workers:
 
 
 @contextmanager
-def workers_of(
+def open_workers(
     executor: Any, count: int | None, simulate: Callable[..., Any], threads: int
 ) -> Iterator[Workers]:
     """The workers that ``executor`` names or is; those that are made here end with the block."""
     if executor is None:
-        yield Workers(_now, 1, _nothing)
+        yield Workers(_run_inline, 1, _nothing)
     elif executor == "threads":
         with _threads(count or os.cpu_count() or 1, threads) as found:
             yield found
@@ -78,9 +78,9 @@ def _nothing() -> None:
     """What is not ours is not ended by us."""
 
 
-def _now(job: Job) -> "Future[Done]":
+def _run_inline(job: Job) -> "Future[JobResult]":
     """Works on a job in this thread."""
-    future: Future[Done] = Future()
+    future: Future[JobResult] = Future()
     try:
         future.set_result(work(job))
     except Exception as error:

@@ -16,7 +16,7 @@ from trackmetrics.monte_carlo.identity import identity
 from trackmetrics.monte_carlo.jobs import Job
 from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.results import SweepResult
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import SettingState
 from trackmetrics.monte_carlo.sweep_state import SweepState
 
 
@@ -45,11 +45,11 @@ def sweep(
     innovation_angles: Mapping[int, float] | None = None,
     worker_threads: int = 1,
 ) -> SweepResult:
-    """Runs a simulation many times for every setting of a grid, and keeps the statistics.
+    """Run a simulation many times for every setting of a grid, and accumulate the statistics.
 
     A run's random numbers are ``default_rng(SeedSequence(seed, spawn_key=(run,)))``, the same for
     every setting. So settings are compared on the same noise, and a result depends on the seed
-    alone: not on the executor, the chunks, their order, or on having been killed and gone on with.
+    alone, not on the executor, the chunks, their order, or interruptions.
 
     Parameters
     ----------
@@ -131,16 +131,16 @@ def sweep(
     # Refuses what are no angles, before the first run.
     ConsistencyAccumulator(angles=angles, innovation_angles=innovation_angles)
     store = None
-    tallies = [Tally() for _ in settings]
+    setting_states = [SettingState() for _ in settings]
     if checkpoint is not None:
         kept = {name: dict(value) if value else None for name, value in options.items()}
         store = Checkpoint(checkpoint, identity(simulate, seed, settings, version, **kept))
-        tallies = store.read(len(settings))
+        setting_states = store.read(len(settings))
     template = Job(
         simulate, 0, {}, 0, 0, seed, on_error == "collect", block_level(runs), options,
         _backend.backend(), worker_threads,
     )  # fmt: skip
-    state = SweepState(runs, settings, tallies, store, template, chunk)
+    state = SweepState(runs, settings, setting_states, store, template, chunk)
     with Progress(progress, runs * len(settings), state.done()) as bar:
         try:
             run_jobs(state, executor, workers, bar)
@@ -151,7 +151,7 @@ def sweep(
 
 def _result(state: SweepState) -> SweepResult:
     """What is known now."""
-    return SweepResult(state.runs, state.template.seed, state.settings, state.tallies)
+    return SweepResult(state.runs, state.template.seed, state.settings, state.setting_states)
 
 
 def expand(

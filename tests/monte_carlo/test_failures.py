@@ -22,7 +22,7 @@ from trackmetrics.monte_carlo import (
     sweep,
 )
 from trackmetrics.monte_carlo.serialization import _FIXED, MAGIC, VERSION
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import SettingState
 
 WHERE = [{}, {"chunk": 1}, {"chunk": 7}, {"executor": "threads", "workers": 2, "chunk": 3}]
 
@@ -214,10 +214,10 @@ def _examples():
     labels.update({"truth": [1, 2], "misses": [0, 1]}, 0)
     points = PointSetAccumulator(c=10.0)
     points.update({"truth": [[np.zeros((1, 2))]], "estimates": [[np.ones((1, 2))]]}, 0)
-    tally = sweep(
+    state = sweep(
         misbehaving, 8, seed=1, grid={"how": ["exit"]}, progress=False, on_error="collect"
-    ).tallies[0]
-    return [consistency, scores, labels, points, tally]
+    ).setting_states[0]
+    return [consistency, scores, labels, points, state]
 
 
 EXAMPLES = _examples()
@@ -301,16 +301,16 @@ def test_forged_runs_end_at_once():
         header = {"kind": "Tally", "cells": [], "failures": [], "covered": covered}
         text = json.dumps(header).encode()
         with pytest.raises(ValueError, match="these bytes are damaged"):
-            Tally.from_bytes(forged(text, len(text)))
+            SettingState.from_bytes(forged(text, len(text)))
     deep = b'{"kind": ' + b"[" * 200_000
     with pytest.raises(ValueError, match="these bytes are damaged"):
-        Tally.from_bytes(forged(deep, len(deep)))
+        SettingState.from_bytes(forged(deep, len(deep)))
 
 
 def test_two_merges_of_which_one_fails_change_nothing():
-    tally, other = EXAMPLES[-1], sweep(misbehaving, 8, seed=1, progress=False, grid={"run": [9]})
-    before = tally.to_bytes()
+    state, other = EXAMPLES[-1], sweep(misbehaving, 8, seed=1, progress=False, grid={"run": [9]})
+    before = state.to_bytes()
     with pytest.raises(ValueError, match="are in both"):
-        tally.merge(other.tallies[0])
-    assert tally.to_bytes() == before
-    assert pickle.loads(pickle.dumps(tally)).to_bytes() == before
+        state.merge(other.setting_states[0])
+    assert state.to_bytes() == before
+    assert pickle.loads(pickle.dumps(state)).to_bytes() == before
