@@ -139,7 +139,7 @@ def test_a_damaged_file_is_named(tmp_path):
     whole = sweep(cases.honest, 30, **arguments)
     file = tmp_path / "c" / "0000.tally"
     file.write_bytes(file.read_bytes()[:-3])
-    with pytest.raises(ValueError, match=r"0000\.state: these bytes are damaged or cut short"):
+    with pytest.raises(ValueError, match=r"0000\.tally: these bytes are damaged or cut short"):
         sweep(cases.honest, 30, **arguments)
     file.unlink()
     assert sweep(cases.honest, 30, **arguments).to_bytes() == whole.to_bytes()

@@ -22,7 +22,7 @@ sys.path.insert(0, str(HERE))
 import monte_carlo_cases as cases  # noqa: E402
 
 NAME = "monte_carlo_cases:honest"
-EXAMPLE = HERE.parent / "examples" / "tune_cv_filter.py"
+EXAMPLE = HERE.parent.parent / "examples" / "tune_cv_filter.py"
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ class Workers:
 
 @contextmanager
 def open_workers(
-    executor: Any, count: int | None, simulate: Callable[..., Any], threads: int
+    executor: Any, count: int | None, simulate: Callable[..., Any], threads: int, grid: Any
 ) -> Iterator[Workers]:
     """The workers that ``executor`` names or is; those that are made here end with the block."""
     if executor is None:
@@ -42,7 +42,7 @@ def open_workers(
         with _threads(count or os.cpu_count() or 1, threads) as found:
             yield found
     elif executor == "processes":
-        with _processes(count or os.cpu_count() or 1, simulate) as found:
+        with _processes(count or os.cpu_count() or 1, simulate, grid) as found:
             yield found
     elif isinstance(executor, Executor):
         given = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
@@ -107,9 +107,10 @@ def _threads(count: int, kernel_threads: int) -> Iterator[Workers]:
 
 
 @contextmanager
-def _processes(count: int, simulate: Callable[..., Any]) -> Iterator[Workers]:
+def _processes(count: int, simulate: Callable[..., Any], grid: Any) -> Iterator[Workers]:
     """Processes of this machine, which end with this one."""
-    _require_pickle(simulate)
+    _require_pickle("simulate", simulate)
+    _require_pickle("a value of grid", grid)
     pool = ProcessPoolExecutor(count, initializer=_begin)
     ended = False
 
@@ -148,12 +149,12 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _require_pickle(simulate: Callable[..., Any]) -> None:
+def _require_pickle(name: str, value: Any) -> None:
     try:
-        pickle.dumps(simulate)
+        pickle.dumps(value)
     except Exception as error:
         raise TypeError(
-            f"simulate cannot be sent to other processes ({error}): define it at the top of a "
+            f"{name} cannot be sent to other processes ({error}): define it at the top of a "
             "module, or use executor='threads'"
         ) from None
 

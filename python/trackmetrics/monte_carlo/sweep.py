@@ -122,11 +122,10 @@ def sweep(
     [2.0, 1.0, 0.5]
     """
     settings = expand(grid)
-    counts = {"runs": runs, "chunk": chunk, "workers": workers, "worker_threads": worker_threads}
-    for name, count in counts.items():
-        if count is not None:
-            _check.count(name, count, 1)
-    _check_others(simulate, seed, checkpoint, on_error)
+    runs, worker_threads = _count("runs", runs), _count("worker_threads", worker_threads)
+    chunk = None if chunk is None else _count("chunk", chunk)
+    workers = None if workers is None else _count("workers", workers)
+    _check_others(simulate, seed, checkpoint, on_error, progress)
     options = {"angles": angles, "innovation_angles": innovation_angles}
     # Refuses what are no angles, before the first run.
     ConsistencyAccumulator(angles=angles, innovation_angles=innovation_angles)
@@ -170,6 +169,8 @@ def expand(
     for name, values in grid.items():
         if isinstance(values, str) or not hasattr(values, "__iter__"):
             raise TypeError(f"grid[{name!r}] must be a sequence of values, got {values!r}")
+        if not isinstance(name, str):
+            raise TypeError(f"grid must name parameters by text, got {name!r}")
     columns = [[_plain(value) for value in values] for values in grid.values()]
     if not all(columns):
         empty = next(name for name, values in zip(grid, columns, strict=True) if not values)
@@ -182,17 +183,28 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
 
 
-def _check_others(simulate: Any, seed: Any, checkpoint: Any, on_error: str) -> None:
+def _count(argument: str, value: Any) -> int:
+    """A whole number, at least 1; a boolean is none."""
+    if isinstance(value, bool | np.bool_):
+        raise TypeError(f"{argument} must be a whole number, at least 1, got {value!r}")
+    _check.count(argument, value, 1)
+    return int(value)
+
+
+def _check_others(simulate: Any, seed: Any, checkpoint: Any, on_error: str, progress: Any) -> None:
     if not callable(simulate):
         raise TypeError(f"simulate must be a function, got {type(simulate).__name__}")
     try:
         # None would be another seed in every run.
-        seeded = seed is not None and np.random.SeedSequence(seed) is not None
+        seeded = seed is not None and not isinstance(seed, bool | np.bool_) and np.size(seed) > 0
+        seeded = seeded and np.random.SeedSequence(seed) is not None
     except (TypeError, ValueError):
         seeded = False
     if not seeded:
         raise ValueError(f"seed must be a whole number, at least 0, or several, got {seed!r}")
     if checkpoint is not None and not isinstance(checkpoint, str | os.PathLike):
         raise TypeError(f"checkpoint must be a path, got {checkpoint!r}")
+    if not callable(progress) and not isinstance(progress, bool | np.bool_):
+        raise TypeError(f"progress must be True, False or a function, got {progress!r}")
     if on_error not in ("raise", "collect"):
         raise ValueError(f"on_error must be 'raise' or 'collect', got {on_error!r}")

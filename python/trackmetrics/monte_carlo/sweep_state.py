@@ -29,7 +29,7 @@ class SweepState:
     seconds: float | None = None
     """Of a run, lately."""
     again: deque[Job] = field(default_factory=deque)
-    """Jobs of one run that are to be done, or done again."""
+    """Jobs that are to be done again, in halves."""
     left: list[list[tuple[int, int]]] = field(init=False)
     """For each setting the runs that no job has, as intervals."""
 
@@ -111,7 +111,7 @@ class SweepState:
             if not self.collects:
                 raise
             if job.stop - job.first > 1:
-                self.again.extend(single_runs(job))
+                self.again.extend(halves(job))
                 return 0
             state.fail(job.first, *mismatch(error))
         if self.store:
@@ -129,9 +129,10 @@ class SweepState:
         return 1 + self._merge_waiting(job.setting)
 
 
-def single_runs(job: Job) -> list[Job]:
-    """A job for each run of a job."""
-    return [replace(job, first=run, stop=run + 1) for run in range(job.first, job.stop)]
+def halves(job: Job) -> list[Job]:
+    """A job of several runs as two: in a few steps that leads to the run at fault."""
+    middle = (job.first + job.stop) // 2
+    return [replace(job, stop=middle), replace(job, first=middle)]
 
 
 def _complement(covered: Sequence[tuple[int, int]], runs: int) -> list[tuple[int, int]]:
