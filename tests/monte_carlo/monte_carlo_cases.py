@@ -113,7 +113,7 @@ def interrupted(executor):
     try:
         sweep(slow, 10**6, seed=3, executor=executor, workers=2, chunk=5, progress=tell)
     except SweepInterrupted as stop:
-        print("kept", sum(stop.result.done), stop.result.anees.shape, flush=True)
+        print("kept", sum(stop.result.completed_runs), stop.result.anees.shape, flush=True)
         sys.stdout.flush()
         os._exit(0)
 

@@ -317,7 +317,7 @@ def test_what_cannot_be_accumulated_says_why():
     with pytest.raises(ValueError, match=r"other shapes: states is \[2, 3\], expected \[5, 3\]"):
         accumulator.update({k: v[:, :2] for k, v in part(BATCH, 0, 3).items()}, 20)
     with pytest.raises(ValueError, match=r"other settings: levels is \[0.5\], expected"):
-        accumulator.merge(ConsistencyAccumulator(levels=[0.5]))
+        accumulator.merge(ConsistencyAccumulator(probabilities=[0.5]))
     with pytest.raises(TypeError, match="cannot merge a ScoreAccumulator into a"):
         accumulator.merge(ScoreAccumulator())
     with pytest.raises(ValueError, match="first_run must be a whole number, at least 0, got -1"):

@@ -335,7 +335,7 @@ def test_wrong_arguments_are_named(wrong):
 
 
 def test_whole_floats_count():
-    assert sweep(misbehaving, 4.0, seed=1, progress=False, chunk=2.0).done == [4]
+    assert sweep(misbehaving, 4.0, seed=1, progress=False, chunk=2.0).completed_runs == [4]
 
 
 def test_a_value_of_the_grid_that_cannot_be_sent_is_named():

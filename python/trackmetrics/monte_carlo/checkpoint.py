@@ -55,9 +55,9 @@ class Checkpoint:
                 "are the same"
             )
         if differing:
-            words = (f"{n} was {value(found.get(n))}, is {value(ours.get(n))}" for n in differing)
+            parts = (f"{n} was {value(found.get(n))}, is {value(ours.get(n))}" for n in differing)
             raise ValueError(
-                f"checkpoint {self.path} is of another sweep: {'; '.join(words)}; give another "
+                f"checkpoint {self.path} is of another sweep: {'; '.join(parts)}; give another "
                 "checkpoint= to begin anew"
             )
 

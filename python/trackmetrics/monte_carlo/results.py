@@ -25,7 +25,7 @@ class SweepResult:
     """Statistics of every setting and step of a sweep."""
 
     runs: int
-    """Runs of each setting that were asked for."""
+    """Requested runs of each setting."""
     seed: Any
     """The seed of the random numbers."""
     grid: list[dict[str, Any]]
@@ -34,16 +34,17 @@ class SweepResult:
     """What was accumulated for each setting."""
 
     tallies = _deprecated.attribute("setting_states")
+    done = _deprecated.attribute("completed_runs")
 
     @property
-    def done(self) -> list[int]:
+    def completed_runs(self) -> list[int]:
         """Runs of each setting that are done, failed ones too."""
         return [len(state) for state in self.setting_states]
 
     @property
     def complete(self) -> bool:
         """Whether every run of every setting is done."""
-        return all(done == self.runs for done in self.done)
+        return all(done == self.runs for done in self.completed_runs)
 
     @property
     def failures(self) -> list[Failure]:
@@ -157,7 +158,7 @@ class SweepResult:
         failed = [len(state.failures) for state in self.setting_states]
         scores = list(self.scores)
         return tables.setting_table(
-            self.grid, self.done, failed, self._score_accumulators(), scores
+            self.grid, self.completed_runs, failed, self._score_accumulators(), scores
         )
 
     def to_pandas(self, rows: Rows = "steps") -> Any:
@@ -193,7 +194,7 @@ class SweepResult:
     def __repr__(self) -> str:
         failed = len(self.failures)
         parts = [f"settings={len(self.grid)}", f"runs={self.runs}"]
-        parts += [] if self.complete else [f"done={sum(self.done)}"]
+        parts += [] if self.complete else [f"done={sum(self.completed_runs)}"]
         parts += [f"failed={failed}"] if failed else []
         parts += [f"{name}={values.round(4).tolist()}" for name, values in self.scores.items()]
         return f"SweepResult({', '.join(parts)})"

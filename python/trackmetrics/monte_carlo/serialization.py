@@ -1,4 +1,4 @@
-"""Arrays as bytes: a magic word, the version, a checksum, a header in JSON, then the arrays.
+"""Arrays as bytes: a magic number, the version, a checksum, a header in JSON, then the arrays.
 
 Nothing is unpickled, so that bytes from anywhere can be read; what is not whole is refused.
 """

@@ -9,7 +9,7 @@ import numpy as np
 
 from trackmetrics import _backend, _check
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
-from trackmetrics.monte_carlo.accumulators.scores import block_level
+from trackmetrics.monte_carlo.accumulators.scores import block_level_for
 from trackmetrics.monte_carlo.checkpoint import Checkpoint
 from trackmetrics.monte_carlo.driver import run_jobs
 from trackmetrics.monte_carlo.identity import identity
@@ -24,7 +24,9 @@ class SweepInterrupted(KeyboardInterrupt):
     """Ctrl-C; ``result`` holds what was done until then."""
 
     def __init__(self, result: SweepResult) -> None:
-        super().__init__(f"after {sum(result.done)} of {result.runs * len(result.grid)} runs")
+        super().__init__(
+            f"after {sum(result.completed_runs)} of {result.runs * len(result.grid)} runs"
+        )
         self.result = result
 
 
@@ -136,7 +138,7 @@ def sweep(
         store = Checkpoint(checkpoint, identity(simulate, seed, settings, version, **kept))
         setting_states = store.read(len(settings))
     template = Job(
-        simulate, 0, {}, 0, 0, seed, on_error == "collect", block_level(runs), options,
+        simulate, 0, {}, 0, 0, seed, on_error == "collect", block_level_for(runs), options,
         _backend.backend(), worker_threads,
     )  # fmt: skip
     state = SweepState(runs, settings, setting_states, store, template, chunk)

@@ -83,7 +83,7 @@ class SweepState:
         return replace(self.template, setting=setting, settings=settings, first=first, stop=stop)
 
     def take(self, job: Job, done: JobResult) -> int:
-        """Adds what came of a job; how many runs that were.
+        """Adds the result of a job; returns how many runs it has.
 
         Where failures are collected, the first runs that succeed say what the others must return.
         So what comes before them waits: the result does not depend on who was faster.

@@ -228,5 +228,5 @@ class Accumulator(ABC):
 
 def _difference(what: str, ours: dict[str, Any], theirs: dict[str, Any]) -> str:
     names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
-    words = (f"{name} is {theirs.get(name)}, expected {ours.get(name)}" for name in names)
-    return f"runs of other {what}: {'; '.join(words)}"
+    parts = (f"{name} is {theirs.get(name)}, expected {ours.get(name)}" for name in names)
+    return f"runs of other {what}: {'; '.join(parts)}"

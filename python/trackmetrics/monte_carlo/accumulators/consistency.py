@@ -12,7 +12,7 @@ from trackmetrics.monte_carlo.accumulators.histogram import BINS
 from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.run_tree import Floats
 
-LEVELS = (0.5, 0.9, 0.95, 0.99)
+PROBABILITIES = (0.5, 0.9, 0.95, 0.99)
 _STATES = ("truth", "estimates", "covariances")
 _INNOVATIONS = ("innovations", "innovation_covariances")
 
@@ -23,7 +23,7 @@ class ConsistencyAccumulator(Accumulator):
     For the error e of each run and step with its covariance P, and q = e' P^-1 e, it keeps over
     the runs: sums of q (ANEES), q^2, 10 log10 q (inclination) and its distance from what a
     consistent filter expects (noncredibility), of e (bias: estimate minus truth), e^2 (RMSE) and
-    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the ``levels``
+    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the ``probabilities``
     quantiles of chi-square (coverage); and a histogram of q. The same of innovations with their
     covariances, where they are given.
 
@@ -32,7 +32,7 @@ class ConsistencyAccumulator(Accumulator):
     angles, innovation_angles : mapping of int to float
         Which components of the state and of the innovation are angles, with their period
         (``{3: 360.0}``): their errors are brought into (-period / 2, period / 2].
-    levels : sequence of float
+    probabilities : sequence of float
         The probabilities of the credibility regions whose coverage is counted.
 
     Notes
@@ -65,23 +65,24 @@ class ConsistencyAccumulator(Accumulator):
 
     kind = "ConsistencyAccumulator"
 
+    @_deprecated.parameters(levels="probabilities")
     def __init__(
         self,
         *,
         angles: Mapping[int, float] | None = None,
         innovation_angles: Mapping[int, float] | None = None,
-        levels: Sequence[float] = LEVELS,
+        probabilities: Sequence[float] = PROBABILITIES,
     ) -> None:
-        if isinstance(levels, str) or not isinstance(levels, Iterable):
-            raise TypeError(f"levels must be a sequence of numbers, got {levels!r}")
-        for level in levels:
-            if not 0 < _check.number("levels", level) < 1:
-                raise errors.parameter("levels", "between 0 and 1", level)
+        if isinstance(probabilities, str) or not isinstance(probabilities, Iterable):
+            raise TypeError(f"probabilities must be a sequence of numbers, got {probabilities!r}")
+        for probability in probabilities:
+            if not 0 < _check.number("probabilities", probability) < 1:
+                raise errors.parameter("probabilities", "between 0 and 1", probability)
         super().__init__(
             {
                 "angles": _periods("angles", angles),
                 "innovation_angles": _periods("innovation_angles", innovation_angles),
-                "levels": [float(level) for level in levels],
+                "levels": [float(p) for p in probabilities],
             }
         )
 

@@ -15,7 +15,7 @@ BLOCKS = 1024
 """Of more runs than this, blocks of equally many are kept."""
 
 
-def block_level(runs: int) -> int:
+def block_level_for(runs: int) -> int:
     """The least level of blocks that are at most ``BLOCKS`` for this many runs."""
     return max(0, (max(runs, 1) - 1) // BLOCKS).bit_length()
 
@@ -28,8 +28,8 @@ class ScoreAccumulator(Accumulator):
 
     Parameters
     ----------
-    level : int
-        A block is ``2**level`` runs.
+    block_level : int
+        A block is ``2**block_level`` runs.
 
     Examples
     --------
@@ -41,9 +41,10 @@ class ScoreAccumulator(Accumulator):
 
     kind = "ScoreAccumulator"
 
-    def __init__(self, level: int = 0) -> None:
+    @_deprecated.parameters(level="block_level")
+    def __init__(self, block_level: int = 0) -> None:
         super().__init__({})
-        self._tree.max_level = level
+        self._tree.max_level = block_level
 
     def update(self, batch: Mapping[str, Any], first_run: int) -> None:
         """Takes in scores of runs, ``{name: (runs,)}``; NaN for a run that has none."""
