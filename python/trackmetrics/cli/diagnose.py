@@ -49,7 +49,7 @@ def command(
 ) -> int:
     """Test whether the covariance of an estimator is consistent with its errors.
 
-    Reads the log of an estimator (.jsonl, .csv or .parquet; one row per update) and reports for
+    Reads the log of an estimator ({read}; one row per update) and reports for
     every track its verdict, the time from which it is inconsistent, and the weakest state. NIS
     with its degrees of freedom is enough; innovations, covariances and truth give more detail.
     """

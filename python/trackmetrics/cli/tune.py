@@ -57,7 +57,7 @@ COLUMNS = (
 def command(log: str, process: str, by: str, level: float, robust: bool, output: Output) -> int:
     """Estimate by what the process and measurement noises must be multiplied.
 
-    Reads the log of an estimator (.jsonl, .csv, .parquet or .ulg) with innovations, S, A, P_pred
+    Reads the log of an estimator ({read}) with innovations, S, A, P_pred
     and H or observed; prints a factor on each claimed covariance, its confidence interval and what
     to change. With innovations and S alone the answer is a direction.
     """
