@@ -8,6 +8,7 @@ import struct
 import sys
 import zlib
 from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from trackmetrics.monte_carlo import (
     sweep,
 )
 from trackmetrics.monte_carlo.serialization import _FIXED, MAGIC, VERSION
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import SettingState
 
 WHERE = [{}, {"chunk": 1}, {"chunk": 7}, {"executor": "threads", "workers": 2, "chunk": 3}]
 
@@ -214,10 +215,10 @@ def _examples():
     labels.update({"truth": [1, 2], "misses": [0, 1]}, 0)
     points = PointSetAccumulator(c=10.0)
     points.update({"truth": [[np.zeros((1, 2))]], "estimates": [[np.ones((1, 2))]]}, 0)
-    tally = sweep(
+    state = sweep(
         misbehaving, 8, seed=1, grid={"how": ["exit"]}, progress=False, on_error="collect"
-    ).tallies[0]
-    return [consistency, scores, labels, points, tally]
+    ).setting_states[0]
+    return [consistency, scores, labels, points, state]
 
 
 EXAMPLES = _examples()
@@ -301,16 +302,77 @@ def test_forged_runs_end_at_once():
         header = {"kind": "Tally", "cells": [], "failures": [], "covered": covered}
         text = json.dumps(header).encode()
         with pytest.raises(ValueError, match="these bytes are damaged"):
-            Tally.from_bytes(forged(text, len(text)))
+            SettingState.from_bytes(forged(text, len(text)))
     deep = b'{"kind": ' + b"[" * 200_000
     with pytest.raises(ValueError, match="these bytes are damaged"):
-        Tally.from_bytes(forged(deep, len(deep)))
+        SettingState.from_bytes(forged(deep, len(deep)))
 
 
 def test_two_merges_of_which_one_fails_change_nothing():
-    tally, other = EXAMPLES[-1], sweep(misbehaving, 8, seed=1, progress=False, grid={"run": [9]})
-    before = tally.to_bytes()
+    state, other = EXAMPLES[-1], sweep(misbehaving, 8, seed=1, progress=False, grid={"run": [9]})
+    before = state.to_bytes()
     with pytest.raises(ValueError, match="are in both"):
-        tally.merge(other.tallies[0])
-    assert tally.to_bytes() == before
-    assert pickle.loads(pickle.dumps(tally)).to_bytes() == before
+        state.merge(other.setting_states[0])
+    assert state.to_bytes() == before
+    assert pickle.loads(pickle.dumps(state)).to_bytes() == before
+
+
+# ------------------------------------------------------------------ arguments
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"runs": True}, {"runs": 0}, {"runs": "3"}, {"chunk": False}, {"workers": 0.5},
+        {"seed": True}, {"seed": []}, {"seed": None}, {"progress": "no"}, {"grid": {1: [2]}},
+        {"worker_threads": -1}, {"checkpoint": 5}, {"executor": "process"},
+    ],
+)  # fmt: skip
+def test_wrong_arguments_are_named(wrong):
+    arguments = {"runs": 3, "seed": 1, "progress": False, "on_error": "collect"} | wrong
+    with pytest.raises((TypeError, ValueError), match=next(iter(wrong))):
+        sweep(misbehaving, **arguments)
+
+
+def test_whole_floats_count():
+    assert sweep(misbehaving, 4.0, seed=1, progress=False, chunk=2.0).completed_runs == [4]
+
+
+def test_a_value_of_the_grid_that_cannot_be_sent_is_named():
+    with pytest.raises(TypeError, match="a value of grid cannot be sent"):
+        sweep(
+            misbehaving, 5, seed=1, progress=False, executor="processes", grid={"how": [lambda: 0]}
+        )
+
+
+def killed_once(rng, folder):
+    mark = Path(folder) / "killed"
+    if run_of(rng) == 17 and not mark.exists():
+        Path(mark).touch()
+        os.kill(os.getpid(), 9)
+    return {"s": float(rng.normal())}
+
+
+def test_a_worker_that_the_system_kills_once_loses_nothing(tmp_path):
+    arguments = {"seed": 1, "progress": False, "grid": {"folder": [str(tmp_path)]}}
+    result = sweep(killed_once, 40, executor="processes", workers=2, chunk=8, **arguments)
+    assert result.complete
+    assert not result.failures
+    assert list(tmp_path.iterdir())
+    assert result.to_bytes() == sweep(killed_once, 40, **arguments).to_bytes()
+
+
+def deadly(rng):
+    if run_of(rng) == 1500:
+        os.kill(os.getpid(), 9)
+    return {"s": float(rng.normal())}
+
+
+def test_the_run_at_fault_is_found_in_few_steps():
+    """Not one job for each of the thousands of runs that were under way."""
+    result = sweep(
+        deadly, 4000, seed=1, progress=False, executor="processes", workers=2, chunk=1000,
+        on_error="collect",
+    )  # fmt: skip
+    assert [failure.run for failure in result.failures] == [1500]
+    assert result.complete

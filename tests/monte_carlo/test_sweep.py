@@ -78,7 +78,7 @@ def test_a_checkpoint_is_gone_on_from(whole, tmp_path):
     first = sweep(
         cases.honest, 25, seed=7, grid=cases.GRID, progress=False, checkpoint=path, chunk=3
     )
-    assert first.done == [25] * 3
+    assert first.completed_runs == [25] * 3
     resumed = again(checkpoint=path, chunk=10)
     assert resumed.to_bytes() == whole.to_bytes()
     told = []
@@ -182,7 +182,7 @@ def test_interrupted_in_this_process():
         sweep(cases.honest, 300, seed=7, chunk=5, progress=interrupt)
     partial = stop.value.result
     assert not partial.complete
-    full = sweep(cases.honest, sum(partial.done), seed=7, progress=False)
+    full = sweep(cases.honest, sum(partial.completed_runs), seed=7, progress=False)
     assert partial.to_bytes() == full.to_bytes()
 
 
