@@ -27,6 +27,8 @@ RENAMED: dict[str, str] = {
     "trackmetrics.report.page": "trackmetrics.report.render_page",
     "trackmetrics.report.sweeps.heat_figure": "trackmetrics.report.heatmap_figure",
     "trackmetrics.report.sweeps.sweep_figure": "trackmetrics.report.sweep_figure",
+    "trackmetrics.vessel.decimated": "trackmetrics.vessel.thin",
+    "trackmetrics.vessel.screen": "trackmetrics.vessel.screen_rows",
 }
 """Old name: new name, both in full."""
 

@@ -23,9 +23,9 @@ class ConsistencyAccumulator(Accumulator):
     For the error e of each run and step with its covariance P, and q = e' P^-1 e, it keeps over
     the runs: sums of q (ANEES), q^2, 10 log10 q (inclination) and its distance from what a
     consistent filter expects (noncredibility), of e (bias: estimate minus truth), e^2 (RMSE) and
-    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the quantiles of
-    chi-square for each of ``probabilities`` (coverage); and a histogram of q. The same of
-    innovations with their covariances, where they are given.
+    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the chi-square
+    quantiles of ``probabilities`` (coverage); and a histogram of q. The same of innovations with
+    their covariances, where they are given.
 
     Parameters
     ----------
