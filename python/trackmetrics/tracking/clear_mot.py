@@ -56,7 +56,7 @@ class CLEARMOT(Result):
     mlr: float
     """Fraction of targets that are mostly lost, in [0, 1]; 0 is best."""
     smota: float
-    """``(sum of similarities - fp - idsw) / (tp + fn)``; 1 is best. NaN where MOTP is a distance."""
+    """``(motp_sum - fp - idsw) / (tp + fn)``: 1 is best. NaN where MOTP is a distance."""
     motal: float
     """MOTA with ``log10(idsw)`` for ``idsw``; 1 is best."""
     motp_sum: float

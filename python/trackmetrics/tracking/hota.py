@@ -201,13 +201,15 @@ def _result(tp: Codes, fn: Codes, fp: Codes, association: Floats, sums: Floats) 
         "owta": np.sqrt(detre * assa),
     }
     lowest = float(series["hota"][0]), float(loca[0])
+    means: dict[str, Any] = {name: float(values.mean()) for name, values in series.items()}
+    by_alpha: dict[str, Any] = {f"{name}_alpha": values for name, values in series.items()}
     return HOTA(
-        **{name: float(values.mean()) for name, values in series.items()},
+        **means,
         hota_0=lowest[0],
         loca_0=lowest[1],
         hotaloca_0=lowest[0] * lowest[1],
         alphas=_ALPHAS.copy(),
-        **{f"{name}_alpha": values for name, values in series.items()},
+        **by_alpha,
         tp_alpha=tp,
         fn_alpha=fn,
         fp_alpha=fp,

@@ -27,11 +27,12 @@ def box_iou(truth: Floats, tracks: Floats) -> Floats:
     others = np.hstack([tracks[:, :2], tracks[:, :2] + tracks[:, 2:]])
     low = np.maximum(corners[:, None, :2], others[None, :, :2])
     high = np.minimum(corners[:, None, 2:], others[None, :, 2:])
-    shared: Floats = np.prod(np.maximum(high - low, 0), axis=2)
+    shared = np.prod(np.maximum(high - low, 0), axis=2)
     area, other_area = (np.prod(c[:, 2:] - c[:, :2], axis=1) for c in (corners, others))
     union = area[:, None] + other_area - shared
     shared[(area <= EPS)[:, None] | (other_area <= EPS) | (union <= EPS)] = 0
-    return np.divide(shared, union, out=np.zeros_like(shared), where=union > EPS)
+    iou: Floats = np.divide(shared, union, out=np.zeros_like(shared), where=union > EPS)
+    return iou
 
 
 def euclidean_distances(truth: Floats, tracks: Floats) -> Floats:
