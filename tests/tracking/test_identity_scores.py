@@ -63,9 +63,7 @@ def assert_same(ours, theirs, names):
         if name not in names:
             continue
         found = ours[names[name]]
-        if expected is None or isinstance(expected, str):
-            assert found == expected, (name, found, expected)
-        elif isinstance(found, int):
+        if expected is None or isinstance(expected, str) or isinstance(found, int):
             assert found == expected, (name, found, expected)
         else:
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12, err_msg=name)
