@@ -17,9 +17,9 @@ from trackmetrics.vessel import (
     Reports,
     Settings,
     Tracker,
-    decimated,
     fleet,
     predictive_nis,
+    thin,
     three_ships,
 )
 
@@ -63,7 +63,7 @@ def rejections(interval: float, seconds: float, shares: tuple[float, ...], seeds
     for seed in range(seeds):
         run = fleet(50, duration=1800.0, interval=interval, shares=shares, seed=seed)
         reports = Reports.concatenate(list(run.reports.values()))
-        used = decimated(reports, seconds)
+        used = thin(reports, seconds)
         tracker = Tracker()
         tracker.add(reports.take(used))
         found += predictive_nis(tracker.log(), reports.take(~used), Settings()).values()

@@ -295,7 +295,7 @@ def test_a_bad_call_changes_nothing():
     tracker = tracked(straight())
     bad = straight(times=[700.0, 760.0])
     bad.z[1, 0] = np.nan
-    with pytest.raises(ValueError, match=r"report at time 760\.0 cannot be used"):
+    with pytest.raises(ValueError, match=r"^lat of the report at time 760\.0 is not finite: nan$"):
         tracker.add(bad)
     assert len(tracker.log()) == 10
     with pytest.raises(ValueError, match=r"truth has shape \(2, 4\), expected \(10, 5\)"):
@@ -377,7 +377,7 @@ def test_a_late_scan_is_counted():
 def held_out(run, seconds, settings):
     """The log of a fleet decimated, and the test of its predictions to the other reports."""
     reports = Reports.concatenate(list(run.reports.values()))
-    used = vessel.decimated(reports, seconds)
+    used = vessel.thin(reports, seconds)
     log = tracked(reports.take(used), settings).log()
     return log, reports.take(~used), vessel.predictive_nis(log, reports.take(~used), settings)
 
@@ -454,7 +454,7 @@ def test_predictions_that_tell_almost_nothing_are_tested_all_the_same():
 def test_a_filter_that_claims_too_much_is_found_by_its_predictions():
     run = vessel.fleet(5, duration=3600.0, interval=10.0, shares=(1, 0, 0), seed=1)
     reports = Reports.concatenate(list(run.reports.values()))
-    used = vessel.decimated(reports, 60)
+    used = vessel.thin(reports, 60)
     timid = Settings(ais=Noise(20.0, 0.6, 3.0), acceleration_density=4e-4, turn_density=8e-9)
     bold = Settings(ais=Noise(5.0, 0.15, 0.75), acceleration_density=2e-5, turn_density=5e-10)
     for settings, verdict in ((timid, "pessimistic"), (bold, "optimistic")):
@@ -474,7 +474,7 @@ def test_a_filter_that_claims_too_much_is_found_by_its_predictions():
             "acceleration_density must be at least 0 and finite, got -1.0",
         ),
         ({"turn_rate_decay": 0}, "turn_rate_decay must be positive, got 0.0"),
-        ({"tentative": 0}, "tentative must be positive, got 0.0"),
+        ({"tentative": 0}, "tentative must be a whole number, at least 1, got 0"),
         ({"max_speed": np.inf}, "max_speed must be positive and finite, got inf"),
         ({"gate": 1.0}, "gate must be between 0 and 1, got 1.0"),
     ],
@@ -497,4 +497,4 @@ def test_other_arguments_that_cannot_be():
     with pytest.raises(ValueError, match="shares must be at least 0 and add up to 1"):
         vessel.fleet(1, shares=(1, 1, 1))
     with pytest.raises(ValueError, match="seconds must be positive, got 0"):
-        vessel.decimated(straight(), 0)
+        vessel.thin(straight(), 0)

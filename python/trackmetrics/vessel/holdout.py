@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _backend
+from trackmetrics._angles import wrap
 from trackmetrics._progress import watched
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.reports import Reports
@@ -153,7 +154,7 @@ class _Predictions:
         values = np.empty(len(self.rows))
         for k, m in enumerate(self.observed):
             y = self.rows.z[k, :m] - self.x[k, :m]
-            y[1::2] = (y[1::2] + 180.0) % 360.0 - 180.0
+            y[1::2] = wrap(y[1::2], 360.0)
             s = self.p[k, :m, :m] + np.diag(self.r[k, :m])
             self.white[k, :m, :m] = np.linalg.inv(np.linalg.cholesky(s))
             values[k] = ((self.white[k, :m, :m] @ y) ** 2).sum()

@@ -320,13 +320,22 @@ def _truths(truth: Any, n: int) -> Floats:
 def _refuse_what_is_not_finite(reports: Reports) -> None:
     """Before anything is used, so that a bad call changes nothing."""
     used = np.arange(4) < OBSERVED[reports.kind][:, None]
-    good = np.isfinite(reports.time) & (np.isfinite(reports.z) | ~used).all(1)
-    good &= np.abs(reports.z[:, 0]) <= 90
-    if not good.all():
-        k = int(np.argmin(good))
-        values = ", ".join(f"{v:g}" for v in reports.z[k, :2])
+    columns = np.column_stack([reports.time, reports.z])
+    bad = ~np.isfinite(columns)
+    bad[:, 1:] &= used
+    if bad.any():
+        k, column = np.argwhere(bad)[0]
+        name = ("time", "lat", "lon", "sog", "cog")[column]
         raise ValueError(
-            f"report at time {float(reports.time[k])!r} cannot be used: position ({values})"
+            f"{name} of the report at time {float(reports.time[k])!r} is not finite: "
+            f"{columns[k, column]}"
+        )
+    beyond = np.abs(reports.z[:, 0]) > 90
+    if beyond.any():
+        k = int(np.argmax(beyond))
+        raise ValueError(
+            f"lat of the report at time {float(reports.time[k])!r} is beyond 90 degrees: "
+            f"{reports.z[k, 0]}"
         )
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from trackmetrics.monte_carlo import sweep
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import SettingState
 
 GRID = {"claimed": [0.5, 1.0, 2.0]}
 
@@ -84,7 +84,7 @@ def kill_at_random_moments(folder, kills):
         child.kill()
         child.join()
         files = sorted(Path(folder).glob("*.tally"))
-        done.append(sum(len(Tally.from_bytes(file.read_bytes())) for file in files))
+        done.append(sum(len(SettingState.from_bytes(file.read_bytes())) for file in files))
     result = _one_sweep(*arguments)
     never_killed = sweep(slow, 300, seed=3, grid=GRID, progress=False)
     print(json.dumps([done, result.to_bytes() == never_killed.to_bytes()]))
@@ -113,7 +113,7 @@ def interrupted(executor):
     try:
         sweep(slow, 10**6, seed=3, executor=executor, workers=2, chunk=5, progress=tell)
     except SweepInterrupted as stop:
-        print("kept", sum(stop.result.done), stop.result.anees.shape, flush=True)
+        print("kept", sum(stop.result.completed_runs), stop.result.anees.shape, flush=True)
         sys.stdout.flush()
         os._exit(0)
 

@@ -78,7 +78,7 @@ def test_a_checkpoint_is_gone_on_from(whole, tmp_path):
     first = sweep(
         cases.honest, 25, seed=7, grid=cases.GRID, progress=False, checkpoint=path, chunk=3
     )
-    assert first.done == [25] * 3
+    assert first.completed_runs == [25] * 3
     resumed = again(checkpoint=path, chunk=10)
     assert resumed.to_bytes() == whole.to_bytes()
     told = []
@@ -98,7 +98,7 @@ def test_a_checkpoint_is_gone_on_from(whole, tmp_path):
         ({"version": "b"}, "version was 'a', is 'b'"),
         ({"simulate": cases.failing}, "simulate was '.*honest', is '.*failing'"),
         ({"angles": {1: 360.0}}, "angles was None, is"),
-        ({"runs": 10}, "the checkpoint has 20 runs, runs is 10"),
+        ({"runs": 10}, "the checkpoint already holds 20 runs, more than runs=10"),
     ],
 )
 def test_a_checkpoint_of_another_sweep_is_refused(tmp_path, changes, message):
@@ -182,7 +182,7 @@ def test_interrupted_in_this_process():
         sweep(cases.honest, 300, seed=7, chunk=5, progress=interrupt)
     partial = stop.value.result
     assert not partial.complete
-    full = sweep(cases.honest, sum(partial.done), seed=7, progress=False)
+    full = sweep(cases.honest, sum(partial.completed_runs), seed=7, progress=False)
     assert partial.to_bytes() == full.to_bytes()
 
 

@@ -22,7 +22,7 @@ sys.path.insert(0, str(HERE))
 import monte_carlo_cases as cases  # noqa: E402
 
 NAME = "monte_carlo_cases:honest"
-EXAMPLE = HERE.parent / "examples" / "tune_cv_filter.py"
+EXAMPLE = HERE.parent.parent / "examples" / "tune_cv_filter.py"
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_the_command_prints_each_setting_and_the_best(capsys):
     assert lines[0].split()[:4] == ["claimed", "runs", "nees", "squared_error[0]"]
     assert [line.split()[0] for line in lines[1:4]] == ["0.5", "*", "2"]
     assert lines[5].startswith("* best by |ln anees|: ")
-    assert lines[6].endswith("more than chance")
+    assert lines[6].endswith(", significant")
 
 
 def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
@@ -173,14 +173,14 @@ def test_the_example_finds_the_true_process_noise(capsys):
     spec.loader.exec_module(example)
     result = example.main(runs=30)
     assert result.best().settings == {"q": 0.1}
-    assert "the honest filter has q = 0.1 (true: 0.1)" in capsys.readouterr().out
+    assert "the consistent filter has q = 0.1 (true: 0.1)" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"levels": 0.5}, "levels must be a sequence of numbers, got 0.5"),
-        ({"levels": ["a"]}, "levels must be a real number, got 'a'"),
+        ({"probabilities": 0.5}, "probabilities must be a sequence of numbers, got 0.5"),
+        ({"probabilities": ["a"]}, "probabilities must be a real number, got 'a'"),
         ({"angles": {0: "x"}}, r"angles\[0\] must be a real number, got 'x'"),
         ({"angles": {"a": 1.0}}, "angles must be a whole number, got 'a'"),
     ],
