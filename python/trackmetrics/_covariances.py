@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-BLOCK_ROWS = 4096
+BLOCK_ROWS = 1024
 MIN_SURE_PIVOT = 1e-8
 
 
