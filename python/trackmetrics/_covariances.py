@@ -4,14 +4,19 @@ Long stacks are processed in blocks of rows: temporary arrays then stay in the p
 take no memory beside the stack's own. Each row's numbers are the same in any block.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics import _backend
+
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-BLOCK_ROWS = 1024
+BLOCK_ROWS = 4096
+MIN_ROWS_FOR_THREADS = 10 * BLOCK_ROWS
 MIN_SURE_PIVOT = 1e-8
 
 
@@ -19,6 +24,21 @@ def row_blocks(rows: int) -> Iterator[slice]:
     """Slices of at most ``BLOCK_ROWS`` rows that cover all rows."""
     for first in range(0, rows, BLOCK_ROWS):
         yield slice(first, min(first + BLOCK_ROWS, rows))
+
+
+def for_blocks(function: Callable[[slice], Any], rows: int) -> None:
+    """Call ``function`` for every block of rows, on as many threads as kernels may use.
+
+    Of the exceptions of several blocks, that of the first block is raised.
+    """
+    threads = _backend.threads() if rows >= MIN_ROWS_FOR_THREADS else 1
+    if threads == 1:
+        for block in row_blocks(rows):
+            function(block)
+        return
+    with ThreadPoolExecutor(threads) as executor:
+        for _ in executor.map(function, row_blocks(rows)):
+            pass
 
 
 def valid_components(vectors: Floats, covariances: Floats) -> Mask:
@@ -66,8 +86,11 @@ def whitened(errors: Floats, covariances: Floats, valid: Mask) -> Floats:
 def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
     """``e' P^-1 e`` of each row over its valid components; NaN where there is none."""
     forms = np.full(len(errors), np.nan)
-    for block in row_blocks(len(errors)):
+
+    def fill(block: slice) -> None:
         forms[block] = _quadratic_forms(errors[block], covariances[block])
+
+    for_blocks(fill, len(errors))
     return forms
 
 

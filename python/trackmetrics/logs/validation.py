@@ -1,9 +1,12 @@
 """What can be wrong with the values of a log, and the message that names the row."""
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics._covariances import row_blocks, surely_definite, to_unit_diagonal
+from trackmetrics._covariances import for_blocks, row_blocks, surely_definite, to_unit_diagonal
 from trackmetrics._tables.errors import value
 from trackmetrics.logs.columns import Columns, Floats, Integers, has_value
 from trackmetrics.logs.schema import (
@@ -120,14 +123,20 @@ def check_covariances(columns: Columns) -> None:
         column = getattr(columns, name)
         if column is None or column.shape[1] == 0:
             continue
-        for block in row_blocks(len(column)):
-            rows = block.start + np.flatnonzero(has_value(column[block]))
-            if len(rows):
-                _check_symmetric(name, column[rows], columns.row[rows])
-        for block in row_blocks(len(column)):
-            rows = block.start + np.flatnonzero(has_value(column[block]))
-            if len(rows):
-                _check_definite(name, column[rows], columns.row[rows])
+        for check in (_check_symmetric, _check_definite):
+            for_blocks(partial(_check_block, check, name, column, columns.row), len(column))
+
+
+def _check_block(
+    check: Callable[[str, Floats, Integers], None],
+    name: str,
+    column: Floats,
+    row: Integers,
+    block: slice,
+) -> None:
+    rows = block.start + np.flatnonzero(has_value(column[block]))
+    if len(rows):
+        check(name, column[rows], row[rows])
 
 
 def _check_symmetric(name: str, p: Floats, rows: Integers) -> None:
