@@ -104,17 +104,19 @@ def _quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
     return forms
 
 
-def surely_definite(unit: Floats) -> Mask:
-    """Which of these covariances of unit diagonal are positive definite beyond rounding.
+def surely_definite(covariances: Floats) -> Mask:
+    """Which of these covariances are positive definite beyond rounding.
 
     A Cholesky factorisation of all rows at once, element by element: a row whose pivots all stay
-    above ``MIN_SURE_PIVOT`` is definite for LAPACK as well. The others need a closer look.
+    above ``MIN_SURE_PIVOT`` of its variances is definite for LAPACK as well. The others need a
+    closer look.
     """
-    columns = np.moveaxis(unit, 0, -1).copy()
-    sure = np.ones(len(unit), bool)
+    p = np.moveaxis(fill_missing_with_identity(covariances), 0, -1).copy()
+    least = MIN_SURE_PIVOT * np.einsum("iik->ik", p)
+    sure = np.ones(len(covariances), bool)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        for j in range(len(columns)):
-            sure &= columns[j, j] > MIN_SURE_PIVOT
-            below = columns[j + 1 :, j] / columns[j, j]
-            columns[j + 1 :, j + 1 :] -= below[:, None] * columns[j + 1 :, j][None]
+        for j in range(len(p)):
+            sure &= (p[j, j] > least[j]) & (least[j] > 0)
+            below = p[j + 1 :, j] / p[j, j]
+            p[j + 1 :, j + 1 :] -= below[:, None] * p[j + 1 :, j][None]
     return sure

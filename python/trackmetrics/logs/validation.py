@@ -1,6 +1,5 @@
 """What can be wrong with the values of a log, and the message that names the row."""
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -123,25 +122,23 @@ def check_covariances(columns: Columns) -> None:
         column = getattr(columns, name)
         if column is None or column.shape[1] == 0:
             continue
-        for check in (_check_symmetric, _check_definite):
-            for_blocks(partial(_check_block, check, name, column, columns.row), len(column))
+        for_blocks(partial(_check_block, name, column, columns.row), len(column))
 
 
-def _check_block(
-    check: Callable[[str, Floats, Integers], None],
-    name: str,
-    column: Floats,
-    row: Integers,
-    block: slice,
-) -> None:
+def _check_block(name: str, column: Floats, row: Integers, block: slice) -> None:
     rows = block.start + np.flatnonzero(has_value(column[block]))
     if len(rows):
-        check(name, column[rows], row[rows])
+        p = column[block] if len(rows) == block.stop - block.start else column[rows]
+        _check_symmetric(name, p, row[rows])
+        _check_definite(name, p, row[rows])
 
 
 def _check_symmetric(name: str, p: Floats, rows: Integers) -> None:
+    transposed = p.swapaxes(1, 2)
+    if (p == transposed).all():
+        return
     d = np.sqrt(np.abs(np.einsum("kii->ki", p)))
-    bad = np.abs(p - p.swapaxes(1, 2)) > 1e-8 * d[:, :, None] * d[:, None, :]
+    bad = np.abs(p - transposed) > 1e-8 * d[:, :, None] * d[:, None, :]
     if bad.any():
         k, i, j = (int(v) for v in np.argwhere(bad)[0])
         raise ValueError(
@@ -150,9 +147,9 @@ def _check_symmetric(name: str, p: Floats, rows: Integers) -> None:
 
 
 def _check_definite(name: str, p: Floats, rows: Integers) -> None:
-    scaled = to_unit_diagonal(p)
-    for k in np.flatnonzero(~surely_definite(scaled)).tolist():
-        minor = _failing_minor(scaled[k])
+    doubtful = np.flatnonzero(~surely_definite(p))
+    for k, scaled in zip(doubtful.tolist(), to_unit_diagonal(p[doubtful]), strict=True):
+        minor = _failing_minor(scaled)
         if minor:
             raise np.linalg.LinAlgError(
                 f"{name}[{rows[k]}] is not positive definite (leading minor {minor})"
