@@ -1,4 +1,4 @@
-"""CLEAR MOT, identity scores and HOTA: the peers' numbers on recordings, cases and random scenes."""
+"""CLEAR MOT, identity scores and HOTA against the peers: recordings, cases, random scenes."""
 
 import itertools
 import json
@@ -63,9 +63,7 @@ def assert_same(ours, theirs, names):
         if name not in names:
             continue
         found = ours[names[name]]
-        if expected is None or isinstance(expected, str):
-            assert found == expected, (name, found, expected)
-        elif isinstance(found, int):
+        if expected is None or isinstance(expected, str) or isinstance(found, int):
             assert found == expected, (name, found, expected)
         else:
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12, err_msg=name)
@@ -99,13 +97,13 @@ def read_kitti(path, classes):
     return numbers[:, 0].astype(int), numbers[:, 1].astype(int), numbers[:, 2:6], numbers[:, 6:]
 
 
-def read_pair(folder, name, measure, num_frames):
+def read_pair(folder, name, measure, times):
     truth_path, track_path = (folder / file for file in PAIRS[name])
     variant = name.rpartition("__")[2]
     if not name.startswith("kitti"):
         truth, tracks = read_mot_challenge(truth_path), read_mot_challenge(track_path)
         truth = truth.counted() if variant == "conf1" else truth
-        return TrackFrames.from_boxes(truth, tracks, times=range(1, num_frames + 1))
+        return TrackFrames.from_boxes(truth, tracks, times=times)
     if variant == "Car":
         truth, tracks = read_kitti(truth_path, ["Car"]), read_kitti(track_path, ["Car"])
     else:
@@ -120,7 +118,7 @@ def read_pair(folder, name, measure, num_frames):
         truth_positions=truth[3] if positions else None,
         track_positions=tracks[3] if positions else None,
         box_format="ltrb",
-        times=range(num_frames),
+        times=times,
     )
 
 
@@ -131,10 +129,14 @@ def test_recordings_have_the_peers_numbers(data, name, peer):
     values = json.loads((data / f"mot/values/{name}.{peer}.json").read_text())
     measures = [measure for measure in MEASURES if measure in values]
     assert len(measures) == (3 if name.endswith("Car") else 2)
+    counts = values["counts"]
+    times = range(counts["first_frame"], counts["first_frame"] + counts["num_frames"])
+    if peer == "motmetrics" and name.startswith("kitti"):
+        times = None  # py-motmetrics was given the frames that have a row
     for measure in measures:
-        frames = read_pair(data / "mot", name, measure, values["counts"]["num_frames"])
-        assert len(frames.truth) == values["counts"]["n_gt_rows"]
-        assert len(frames.tracks) == values["counts"]["n_result_rows"]
+        frames = read_pair(data / "mot", name, measure, times)
+        assert len(frames.truth) == counts["n_gt_rows"]
+        assert len(frames.tracks) == counts["n_result_rows"]
         similarity, threshold = MEASURES[measure]
         check = assert_trackeval if peer == "trackeval" else assert_motmetrics
         check(frames, values[measure], similarity=similarity, threshold=threshold)
@@ -236,7 +238,8 @@ def motmetrics_values(frames, matrices):
     for truth, tracks, matrix in zip(*sides, matrices, strict=True):
         distances = 1 - matrix
         distances[distances > 0.5] = np.nan
-        accumulator.update(truth, tracks, distances)
+        with motmetrics.lap.set_default_solver("scipy"):  # others break ties in other ways
+            accumulator.update(truth, tracks, distances)
     host = motmetrics.metrics.create()
     names = [*MOTMETRICS, *MOTMETRICS_IDENTITY]
     values = host.compute(accumulator, metrics=names, return_dataframe=False)
@@ -317,7 +320,7 @@ def test_ids_of_any_hashable_kind_and_rows_in_any_order():
 def test_boxes_by_corners_are_the_same():
     corners = [[0, 0, 2, 2], [1, 0, 3, 2]]
     frames = columns(truth_boxes=corners, track_boxes=corners[::-1], box_format="ltrb")
-    assert clear_mot(frames) == clear_mot(columns()) or math.isnan(clear_mot(frames).transfers)
+    assert clear_mot(frames).to_dict() == clear_mot(columns()).to_dict()
     np.testing.assert_array_equal(frames.truth.boxes, columns().truth.boxes)
 
 
