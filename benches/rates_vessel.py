@@ -1,6 +1,6 @@
 """How often each verdict comes over 200 seeds of the three ships, and what is wanted at least.
 
-And how often the predictions of honest filters are rejected at 5 %.
+And how often the predictions of consistent filters are rejected at 5 %.
 
 python benches/rates_vessel.py            # prints the table
 python benches/rates_vessel.py --save     # and writes benches/results/rates_vessel.md
@@ -24,13 +24,13 @@ from trackmetrics.vessel import (
 )
 
 WANTED = {
-    ("honest", "SS Northern Star0", "late_divergence"): 195,
-    ("honest", "SS Northern Star0", "onset 6780 s"): 195,
-    ("honest", "SS Iron Aurora1", "consistent"): 190,
-    ("honest", "MV Iron Falcon2", "startup_then_consistent"): 165,
-    ("article", "SS Northern Star0", "late_divergence"): 195,
-    ("article", "SS Iron Aurora1", "pessimistic"): 190,
-    ("article", "MV Iron Falcon2", "startup_then_pessimistic"): 184,
+    ("consistent", "SS Northern Star0", "late_divergence"): 195,
+    ("consistent", "SS Northern Star0", "onset 6780 s"): 195,
+    ("consistent", "SS Iron Aurora1", "consistent"): 190,
+    ("consistent", "MV Iron Falcon2", "startup_then_consistent"): 165,
+    ("published", "SS Northern Star0", "late_divergence"): 195,
+    ("published", "SS Iron Aurora1", "pessimistic"): 190,
+    ("published", "MV Iron Falcon2", "startup_then_pessimistic"): 184,
 }
 
 
@@ -58,7 +58,7 @@ PATTERNS = (
 
 
 def rejections(interval: float, seconds: float, shares: tuple[float, ...], seeds: int) -> list[str]:
-    """Of honest filters of 50 ships a seed: how many, and the share rejected, on either side."""
+    """Of consistent filters of 50 ships a seed: how many, and the share rejected, on either side."""
     found = []
     for seed in range(seeds):
         run = fleet(50, duration=1800.0, interval=interval, shares=shares, seed=seed)
@@ -79,7 +79,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--save", action="store_true")
     options = parser.parse_args()
-    found = counts("honest", options.seeds) + counts("article", options.seeds)
+    found = counts("consistent", options.seeds) + counts("published", options.seeds)
     lines = [
         f"# Verdicts of the three ships over {options.seeds} seeds\n",
         "Written by `benches/rates_vessel.py`; wanted of 200.\n",
@@ -90,7 +90,7 @@ def main() -> None:
         wanted = WANTED.get(key, "")
         lines.append(f"| {' | '.join(key)} | {count} | {wanted} |")
     lines += [
-        "\n# Predictions of honest filters rejected at 5 %\n",
+        "\n# Predictions of consistent filters rejected at 5 %\n",
         "| every | used | full, truncated, positions | ships | rejected | above 1 | below 1 |",
         "| ---: | ---: | --- | ---: | ---: | ---: | ---: |",
     ]

@@ -216,7 +216,7 @@ def _examples():
     points.update({"truth": [[np.zeros((1, 2))]], "estimates": [[np.ones((1, 2))]]}, 0)
     tally = sweep(
         misbehaving, 8, seed=1, grid={"how": ["exit"]}, progress=False, on_error="collect"
-    ).tallies[0]
+    ).accumulators[0]
     return [consistency, scores, labels, points, tally]
 
 
@@ -311,6 +311,6 @@ def test_two_merges_of_which_one_fails_change_nothing():
     tally, other = EXAMPLES[-1], sweep(misbehaving, 8, seed=1, progress=False, grid={"run": [9]})
     before = tally.to_bytes()
     with pytest.raises(ValueError, match="are in both"):
-        tally.merge(other.tallies[0])
+        tally.merge(other.accumulators[0])
     assert tally.to_bytes() == before
     assert pickle.loads(pickle.dumps(tally)).to_bytes() == before

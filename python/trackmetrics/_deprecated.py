@@ -21,6 +21,8 @@ RENAMED: dict[str, str] = {
     "trackmetrics.diagnostics.read_log": "trackmetrics.logs.read_log",
     "trackmetrics.io.Boxes": "trackmetrics.tracks.Boxes",
     "trackmetrics.io.read_mot_challenge": "trackmetrics.tracks.read_mot_challenge",
+    "trackmetrics.monte_carlo.Best": "trackmetrics.monte_carlo.BestSetting",
+    "trackmetrics.monte_carlo.FormStatistics": "trackmetrics.monte_carlo.ErrorStatistics",
     "trackmetrics.report.heat_figure": "trackmetrics.report.heatmap_figure",
     "trackmetrics.report.page": "trackmetrics.report.render_page",
     "trackmetrics.report.sweeps.heat_figure": "trackmetrics.report.heatmap_figure",

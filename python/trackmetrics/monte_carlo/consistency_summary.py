@@ -15,7 +15,7 @@ _DECIBELS = 10.0 / np.log(10.0)
 
 
 @dataclass(frozen=True, repr=False)
-class FormStatistics:
+class ErrorStatistics:
     """Statistics over runs, step by step, of errors with their covariances.
 
     ``n`` is the dimension of the error, N the number of runs that counted at a step. NaN where none
@@ -29,12 +29,12 @@ class FormStatistics:
     runs: NDArray[np.int64]
     """N of each step, ``(steps,)``."""
     mean: Floats
-    """Mean of q / n: ANEES for states, ANIS for innovations, ``(steps,)``; 1 is honest, more is
+    """Mean of q / n: ANEES for states, ANIS for innovations, ``(steps,)``; 1 is consistent, more is
     optimistic."""
     interval: Floats
-    """Where the mean lies for an honest filter: ``(2,)``, or ``(steps, 2)`` where N varies."""
+    """Where the mean lies for a consistent filter: ``(2,)``, or ``(steps, 2)`` where N varies."""
     deviation: Floats
-    """Standard deviation of q over sqrt(2 n); 1 for an honest filter."""
+    """Standard deviation of q over sqrt(2 n); 1 for a consistent filter."""
     rmse: Floats
     """Root mean square of each component, ``(steps, n)``, in its unit; 0 is best."""
     rmse_interval: Floats
@@ -54,12 +54,12 @@ class FormStatistics:
     inclination: Floats
     """Mean of 10 log10 q less its expectation, in dB, ``(steps,)``; above 0 is optimistic."""
     inclination_bound: Floats
-    """How far from 0 it lies for an honest filter, ``(steps,)``."""
+    """How far from 0 it lies for a consistent filter, ``(steps,)``."""
     noncredibility: Floats
     """Mean distance of 10 log10 q from its expectation, in dB, ``(steps,)``; 0 never is reached: an
-    honest filter has ``noncredibility_expected``."""
+    consistent filter has ``noncredibility_expected``."""
     noncredibility_expected: float
-    """For an honest filter."""
+    """For a consistent filter."""
     histogram: NDArray[np.int64]
     """Counts of q, ``(steps, bins)``."""
 
@@ -87,7 +87,7 @@ class FormStatistics:
             e, squares, normalised = of_states.swapaxes(1, 2).copy()
             spread = np.sqrt(np.maximum(forms[1] - forms[0] ** 2, 0.0) * (n / (n - 1)) / (2 * d))
         shares = under[1:] / np.where(runs > 0, n, np.nan)
-        decibels, variance, expected = _honest(d)
+        decibels, variance, expected = _expected_decibels(d)
         z = _normal_quantile(confidence)
         with np.errstate(divide="ignore"):
             one = z / np.sqrt(n)
@@ -129,7 +129,7 @@ class FormStatistics:
 
     def __repr__(self) -> str:
         return (
-            f"FormStatistics(dimension={self.dimension}, steps={len(self.runs)}, "
+            f"ErrorStatistics(dimension={self.dimension}, steps={len(self.runs)}, "
             f"mean={np.nanmean(self.mean):.4g})"
         )
 
@@ -145,19 +145,19 @@ class ConsistencySummary:
 
     runs: int
     """How many runs."""
-    states: FormStatistics | None
+    states: ErrorStatistics | None
     """Of the errors of states, where truth was given."""
-    innovations: FormStatistics | None
+    innovations: ErrorStatistics | None
     """Of the innovations, where they were given."""
 
     @property
     def anees(self) -> Floats:
-        """Average NEES over runs, normalised by the dimension, ``(steps,)``; 1 is honest."""
+        """Average NEES over runs, normalised by the dimension, ``(steps,)``; 1 is consistent."""
         return self._states.mean
 
     @property
     def anees_interval(self) -> Floats:
-        """Where the ANEES of an honest filter lies, ``(2,)``."""
+        """Where the ANEES of a consistent filter lies, ``(2,)``."""
         return self._states.interval
 
     @property
@@ -172,13 +172,13 @@ class ConsistencySummary:
 
     @property
     def anis(self) -> Floats:
-        """Average NIS over runs, normalised by the dimension, ``(steps,)``; 1 is honest."""
+        """Average NIS over runs, normalised by the dimension, ``(steps,)``; 1 is consistent."""
         if self.innovations is None:
             raise ValueError("no innovations were given")
         return self.innovations.mean
 
     @property
-    def _states(self) -> FormStatistics:
+    def _states(self) -> ErrorStatistics:
         if self.states is None:
             raise ValueError("no truth was given")
         return self.states
@@ -201,7 +201,7 @@ class ConsistencySummary:
 
 
 def chi_square_mean_interval(runs: Floats, d: int, confidence: float) -> Floats:
-    """Where the mean of q / d over N runs lies for an honest filter; one where N is the same."""
+    """Where the mean of q / d over N runs lies for a consistent filter; one where N is the same."""
     from scipy.special import gammaincinv
 
     tails = np.array([(1 - confidence) / 2, (1 + confidence) / 2])
@@ -244,7 +244,7 @@ def _normal_quantile(confidence: float) -> float:
 
 
 @cache
-def _honest(d: int) -> tuple[float, float, float]:
+def _expected_decibels(d: int) -> tuple[float, float, float]:
     """For chi-square q with d degrees: mean and variance of 10 log10 q, and its mean distance from
     the mean.
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics import _deprecated
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
 from trackmetrics.monte_carlo.run_tree import Floats
 
@@ -19,7 +20,7 @@ Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Best:
+class BestSetting:
     """The best setting by a criterion."""
 
     index: int
@@ -45,15 +46,17 @@ class Best:
         """The fields."""
         return asdict(self)
 
-    def words(self) -> list[str]:
-        """What it says, in one or two sentences."""
+    words = _deprecated.attribute("describe")
+
+    def describe(self) -> list[str]:
+        """The best setting and the next one, in one or two sentences."""
         low, high = self.interval
         said = [f"best by {self.criterion}: {self.value:.4g} [{low:.4g}, {high:.4g}]"]
         if self.runner_up is not None:
             low, high = self.difference_interval
-            verdict = "more than" if self.significant else "no more than"
+            verdict = "significant" if self.significant else "not significant"
             worse = f"the next is worse by {self.difference:.4g} [{low:.4g}, {high:.4g}]"
-            said.append(f"{worse}, {verdict} chance")
+            said.append(f"{worse}, difference {verdict}")
         return said
 
 
@@ -110,14 +113,14 @@ def _require(names: Sequence[str], known: Sequence[str]) -> None:
             raise ValueError(f"there is no score {name!r}, there are {', '.join(known)}")
 
 
-def choose(
+def select_best(
     grid: Sequence[dict[str, Any]],
     cells: Sequence[ScoreAccumulator | None],
     by: str,
     states: Sequence[int] | None,
     maximize: bool,
     confidence: float,
-) -> Best:
+) -> BestSetting:
     """The best of the settings."""
     known = next((cell.names for cell in cells if cell is not None), [])
     criterion = criterion_of(by, known, states, maximize)
@@ -137,7 +140,7 @@ def choose(
         difference = values[second] - value
         spread = _paired_spread(best, other, criterion, confidence)
     low, high = difference - spread, difference + spread
-    return Best(
+    return BestSetting(
         index=first,
         settings=grid[first],
         criterion=criterion.text,

@@ -24,7 +24,9 @@ class SweepInterrupted(KeyboardInterrupt):
     """Ctrl-C; ``result`` holds what was done until then."""
 
     def __init__(self, result: SweepResult) -> None:
-        super().__init__(f"after {sum(result.done)} of {result.runs * len(result.grid)} runs")
+        super().__init__(
+            f"after {sum(result.completed_runs)} of {result.runs * len(result.grid)} runs"
+        )
         self.result = result
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.selection import criterion_of, estimate
 
 Grid = Sequence[dict[str, Any]]
@@ -31,7 +31,7 @@ def of_steps(grid: Grid, summaries: Sequence[ConsistencySummary]) -> Columns:
     }
 
 
-def _columns(form: FormStatistics, mean: str, prefix: str) -> Columns:
+def _columns(form: ErrorStatistics, mean: str, prefix: str) -> Columns:
     interval = np.broadcast_to(form.interval, (len(form.runs), 2))
     columns: dict[str, Any] = {
         f"{prefix}runs": form.runs,

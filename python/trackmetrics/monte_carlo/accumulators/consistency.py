@@ -1,4 +1,4 @@
-"""Is a filter honest? What many runs say of it, kept in a few sums for each step."""
+"""Is a filter consistent? What many runs say of it, kept in a few sums for each step."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -8,7 +8,7 @@ import numpy as np
 from trackmetrics import _backend, _check, errors
 from trackmetrics.monte_carlo.accumulators.base import Accumulator, Counts
 from trackmetrics.monte_carlo.accumulators.histogram import BINS
-from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.run_tree import Floats
 
 LEVELS = (0.5, 0.9, 0.95, 0.99)
@@ -153,7 +153,7 @@ class ConsistencyAccumulator(Accumulator):
     def result(self, confidence: float = 0.95) -> ConsistencySummary:
         """The statistics of the runs so far, with intervals of this confidence."""
         total = self._total()
-        found: dict[str, FormStatistics] = {}
+        found: dict[str, ErrorStatistics] = {}
         start = 0
         for name, (steps, d) in (self.shape or {}).items():
             width = steps * (4 + 3 * d)
@@ -161,7 +161,9 @@ class ConsistencyAccumulator(Accumulator):
             under, histogram = self._counts[f"{name} under"], self._counts[f"{name} histogram"]
             levels = tuple(self.settings["levels"])
             sign = -1.0 if name == "states" else 1.0
-            found[name] = FormStatistics.of(row, d, under, histogram, levels, confidence, sign=sign)
+            found[name] = ErrorStatistics.of(
+                row, d, under, histogram, levels, confidence, sign=sign
+            )
             start += width
         return ConsistencySummary(self.runs, found.get("states"), found.get("innovations"))
 
