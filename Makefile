@@ -40,6 +40,9 @@ lint: $(VENV)/installed
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/mypy
+	$(PY) tools/check_prose.py
+	$(VENV)/bin/codespell
+	$(PY) tools/api_index.py --check
 	$(PY) -m mypy.stubtest trackmetrics._native --allowlist tests/stubtest-allowlist.txt
 
 format: $(VENV)/installed

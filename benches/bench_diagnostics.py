@@ -1,4 +1,4 @@
-"""How long a diagnosis takes: a fleet of tracks, against the NumPy twin; the parts by themselves.
+"""How long a diagnosis takes: a fleet of tracks, against the NumPy reference; parts alone.
 
 python benches/bench_diagnostics.py            # prints a table
 python benches/bench_diagnostics.py --save     # and writes benches/results/diagnostics.json
@@ -28,14 +28,14 @@ def fleet(tracks: int, updates: int) -> EstimatorLog:
     )
 
 
-def with_twin(log: EstimatorLog) -> None:
-    """The same with the NumPy twins of the kernels."""
+def with_reference(log: EstimatorLog) -> None:
+    """The same with the NumPy references of the kernels."""
     with use_backend("numpy"):
         diagnose(log)
 
 
 def check(log: EstimatorLog) -> None:
-    """A tenth late, the rest honest but for a false alarm here and there; the same on the twin."""
+    """A tenth late, the rest consistent but for some false alarms; the same on the reference."""
     found = diagnose(log)
     verdicts = [track.verdict for track in found.values()]
     late = [v == "late_divergence" for v in verdicts]
@@ -52,7 +52,7 @@ def main() -> None:
     bench.compare(
         "20 tracks of 200 updates, NIS and NEES",
         lambda: diagnose(small),
-        {"NumPy twin": lambda: with_twin(small)},
+        {"NumPy reference": lambda: with_reference(small)},
     )
     large = fleet(1000, 200)
     seconds = min(_time(lambda: diagnose(large)) for _ in range(3))
@@ -74,7 +74,7 @@ def _time(call):  # type: ignore[no-untyped-def]
 
 
 def _parts(bench: Bench) -> None:
-    """The kernels against their twins."""
+    """The kernels against their references."""
     rng = np.random.default_rng(1)
     values, dof, starts = rng.chisquare(2, 4000), np.full(4000, 2.0), np.arange(0, 4001, 200)
     draws = rng.chisquare(2, (4000, 200))
@@ -85,13 +85,13 @@ def _parts(bench: Bench) -> None:
         ("best_split_gains", (draws, dof[:200], 2)),
         ("shapley_shares", (errors, covariances)),
     ):
-        ours, twin = getattr(_native, name), getattr(_numpy, name)
+        ours, reference = getattr(_native, name), getattr(_numpy, name)
         first = np.asarray(ours(*arguments)[0])
-        np.testing.assert_allclose(first, np.asarray(twin(*arguments)[0]), rtol=1e-9)
+        np.testing.assert_allclose(first, np.asarray(reference(*arguments)[0]), rtol=1e-9)
         bench.compare(
             name,
             lambda f=ours, a=arguments: f(*a),
-            {"NumPy twin": lambda f=twin, a=arguments: f(*a)},
+            {"NumPy reference": lambda f=reference, a=arguments: f(*a)},
         )
 
 

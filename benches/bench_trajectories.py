@@ -3,7 +3,7 @@
     python benches/bench_trajectories.py [--save]
 
 No peer in Python has OSPA(2) or trajectory GOSPA in this form: OSPA(2) is held against its NumPy
-twin, trajectory GOSPA against the sparse linear programme of its definition, for all at once.
+reference, trajectory GOSPA against the sparse linear programme of its definition, for all at once.
 """
 
 import itertools
@@ -95,7 +95,7 @@ def bench_trajectory_gospa(bench: Bench) -> None:
         )
 
 
-def twin(*arguments, **options):
+def reference(*arguments, **options):
     with trackmetrics.use_backend("numpy"):
         return ospa2(*arguments, **options)
 
@@ -105,12 +105,12 @@ def bench_ospa2(bench: Bench) -> None:
     truth, tracks = lanes(10, 100, rng)
     for window in (5, 50):
         ours = ospa2(truth, tracks, 10, 2, window=window)
-        theirs = twin(truth, tracks, 10, 2, window=window)
+        theirs = reference(truth, tracks, 10, 2, window=window)
         assert np.allclose(ours.distance, theirs.distance, rtol=1e-12)
         bench.compare(
             f"ospa2, 10 truths, 15 tracks, 100 steps, window {window}",
             lambda w=window: ospa2(truth, tracks, 10, 2, window=w),
-            {"NumPy twin": lambda w=window: twin(truth, tracks, 10, 2, window=w)},
+            {"NumPy reference": lambda w=window: reference(truth, tracks, 10, 2, window=w)},
             rounds=5,
         )
 

@@ -79,7 +79,7 @@ LATE, MILD, SHORT = 5.6, 3.0, 7.4
 """Steady shifts of the innovation in sigmas a component: a hard, a mild and a short manoeuvre."""
 
 CASES = (
-    "honest",
+    "consistent",
     "Q / 10",
     "R / 4",
     "biased sensor",

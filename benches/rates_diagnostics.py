@@ -1,4 +1,4 @@
-"""How often the diagnosis is right: false alarms on honest filters, detection of known faults.
+"""How often the diagnosis is right: false alarms on consistent filters, detection of known faults.
 
     python benches/rates_diagnostics.py                  # prints the table
     python benches/rates_diagnostics.py --save           # and writes benches/results/
@@ -28,7 +28,7 @@ RESULTS = Path(__file__).parent / "results" / "rates_diagnostics.json"
 
 STARTUP = ("startup_then_consistent", "startup_then_pessimistic")
 RIGHT: Mapping[str, tuple[str, ...]] = {
-    "honest": ("consistent", "insufficient"),
+    "consistent": ("consistent", "insufficient"),
     "Q / 10": ("optimistic",),
     "R / 4": ("optimistic",),
     "biased sensor": ("biased",),
@@ -171,7 +171,7 @@ def main() -> None:
         for case in cases(plant):
             if options.plant in plant and options.case in case:
                 rows.append(measure(plant, updates, case, options.runs, options.seed))
-                goal = 95.0 if case == "honest" else wanted.get(case)
+                goal = 95.0 if case == "consistent" else wanted.get(case)
                 rows[-1]["wanted"] = goal
                 print(line(rows[-1], goal), flush=True)
     if options.save:

@@ -58,7 +58,7 @@ PATTERNS = (
 
 
 def rejections(interval: float, seconds: float, shares: tuple[float, ...], seeds: int) -> list[str]:
-    """Of consistent filters of 50 ships a seed: how many, and the share rejected, on either side."""
+    """Of consistent filters, 50 ships a seed: how many, and the share rejected on either side."""
     found = []
     for seed in range(seeds):
         run = fleet(50, duration=1800.0, interval=interval, shares=shares, seed=seed)

@@ -37,7 +37,7 @@ ACCELERATION, TURN = 1e-4, 2e-9
 TENTATIVE = 2
 
 CASES = (
-    "honest",
+    "consistent",
     "Q / 10",
     "R / 4",
     "R x 4",

@@ -47,7 +47,7 @@ def simulate(rng, q):
 
 
 def main(runs=400, executor=None):
-    """Sweeps over guesses and says which is the honest one."""
+    """Sweeps over guesses and says which is the consistent one."""
     grid = {"q": [0.001, 0.01, 0.03, 0.1, 0.3, 1.0]}
     result = sweep(simulate, runs, seed=1, grid=grid, executor=executor)
     low, high = result.anees_interval
@@ -58,8 +58,8 @@ def main(runs=400, executor=None):
         print(f"{settings['q']:<10g}   {anees.mean():10.3f}   {inside:22.0%}   {position:16.2f}")
     best = result.best("anees")
     words = "" if best.significant else "not "
-    print(f"the honest filter has q = {best.settings['q']:g} (true: {TRUE_Q:g}),")
-    print(f"and is {words}significantly more honest than the next, q = {best.runner_up['q']:g}")
+    print(f"the consistent filter has q = {best.settings['q']:g} (true: {TRUE_Q:g}),")
+    print(f"and is {words}significantly more consistent than the next, q = {best.runner_up['q']:g}")
     return result
 
 

@@ -141,7 +141,7 @@ def test_scale_and_small_distances():
         assert result.distance == pytest.approx(math.sqrt(5) * 1e-9 * scale, rel=1e-6)
 
 
-def test_a_switch_that_is_too_dear_is_never_made():
+def test_a_switch_that_is_too_costly_is_never_made():
     times = np.arange(4.0)
     truth = [(times, times)]
     tracks = [(times[:3], times[:3]), (times[2:], times[2:])]

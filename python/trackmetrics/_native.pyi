@@ -1,4 +1,4 @@
-"""The Rust kernels, as Python sees them; ``_numpy`` has a twin of each."""
+"""The Rust kernels, as Python sees them; ``_numpy`` has a reference implementation of each."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ def first_alarms(
     dof: NDArray[np.float64],
     starts: NDArray[np.int64],
     scale: float,
-    chance: float,
+    alpha: float,
 ) -> NDArray[np.int64]: ...
 def best_split_gains(
     draws: NDArray[np.float64], dof: NDArray[np.float64], least: int

@@ -67,7 +67,7 @@ class Bar:
 
 
 def bar(total: int, unit: str, *, desc: str = "", initial: int = 0) -> Bar | None:
-    """A bar, or None if nobody would see it."""
+    """A bar, or None if it would not be seen."""
     if not enabled or not sys.stderr.isatty():
         return None
     try:

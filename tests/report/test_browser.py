@@ -138,6 +138,17 @@ def test_a_hundred_tracks(browser, tmp_path, fleet_page):
     quiet(browser)
 
 
+def test_a_list_of_many_tracks_is_unpacked(browser, tmp_path, small, monkeypatch):
+    from trackmetrics.report import diagnosis_page
+
+    monkeypatch.setattr(diagnosis_page, "MAX_PLAIN_ROWS", 3)
+    monkeypatch.setattr(diagnosis_page, "BLOCK", 3)
+    opened(browser, tmp_path / "out.html", *small)
+    check_page(browser, small[1])
+    page = (tmp_path / "out.html").read_text(encoding="utf-8")
+    assert "<tr data-index" not in page
+
+
 def test_tables_themes_and_sorting(browser, tmp_path, small):
     opened(browser, tmp_path / "out.html", *small)
     updates = browser.find_element("css selector", "#track-0 .updates summary")

@@ -7,6 +7,7 @@ UTF-8 with or without a byte order mark, UTF-16 with one.
 import gzip
 import io
 import lzma
+import os
 import sys
 import zipfile
 from dataclasses import dataclass
@@ -35,12 +36,14 @@ class Content:
     """``"text"``, ``"parquet"`` or ``"ulog"``."""
 
 
-def read(path: str | Path) -> Content:
+def read(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> Content:
     """The content of a file, unpacked; ``-`` is standard input."""
-    if str(path) == "-":
-        return content("standard input", sys.stdin.buffer.read())
-    path = Path(path)
-    return content(path.name, path.read_bytes())
+    name = "standard input" if os.fspath(path) == "-" else Path(path).name
+    data = sys.stdin.buffer.read() if os.fspath(path) == "-" else Path(path).read_bytes()
+    found = content(name, data)
+    if not found.data.strip() and not may_be_empty:
+        raise ValueError(f"{name} is empty")
+    return found
 
 
 def content(name: str, data: bytes) -> Content:

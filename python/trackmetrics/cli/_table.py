@@ -47,7 +47,7 @@ class Column:
         if self.text is not None:
             return self.text(row)
         value = self.value(row)
-        if value is None:
+        if value is None or value != value:
             return "-"
         return number(value, 4) if isinstance(value, float) else str(value)
 

@@ -31,6 +31,8 @@ def since(track: TrackDiagnosis) -> str:
 
 def scale_text(scale: float, interval: tuple[float, float]) -> str:
     """A scale with its interval."""
+    if scale != scale:
+        return "-"
     return f"{number(scale)} [{number(interval[0])}, {number(interval[1])}]"
 
 

@@ -70,7 +70,7 @@ def command(
     except SweepInterrupted as stop:
         output.warn(f"trackmetrics sweep: interrupted {stop}")
         result, status = stop.result, 130
-    if status and not any(tally.cells for tally in result.accumulators):
+    if status and not any(state.accumulators for state in result.setting_states):
         return status
     best = _best(result, rank_by)
     output.write(

@@ -30,7 +30,7 @@ def _column_options(function: Any) -> Any:
 )
 @click.argument("recording", metavar="RECORDING")
 @click.option("--html", metavar="FILE", help="Write a page with figures.")
-@click.option("--log", metavar="FILE", help="Write the estimator's log (.jsonl, .csv, .parquet).")
+@click.option("--log", metavar="FILE", help="Write the estimator's log ({written}).")
 @click.option(
     "--thin",
     type=float,

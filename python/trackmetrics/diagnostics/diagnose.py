@@ -143,7 +143,7 @@ def diagnose(log: EstimatorLog, *, alpha: float = ALPHA) -> Diagnosis:
         of_track = None if check is None else check.of(rows)
         given = _TrackInput(log, t, columns, values, of_track, warnings, alpha)
         found.append(_diagnose_track(given, nis[t] or nothing, nees[t]))
-    return Diagnosis(tuple(found), warnings)
+    return Diagnosis(tuple(found), (*log.notes, *warnings))
 
 
 def _judged(traces: list[Trace | None], alpha: float) -> list[JudgedTrace | None]:

@@ -47,8 +47,9 @@ def derive(
     columns = columns.replace(**dofs)
     for name, dof in dofs.items():
         computed[name] = _computed_rows(getattr(logged, name), dof)
-        if dof is not None:
-            computed[name] |= computed[name.removesuffix("_dof")]
+        source = computed[name.removesuffix("_dof")]
+        if dof is not None and source is not None:
+            computed[name] |= source
     return columns, {name: rows for name, rows in computed.items() if rows is not None}
 
 

@@ -1,7 +1,7 @@
 """Monte Carlo sweeps: many runs over a grid of settings, and accumulators that can be merged.
 
-However the runs are cut, in whatever order they come, on however many machines: the same seed gives
-the same bits.
+The same seed gives the same bits, however the runs are divided among workers and in whatever order
+they are done.
 """
 
 from trackmetrics import _deprecated

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmetrics._tables.errors import value
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import SettingState
 
 _HEADER = "sweep.json"
 
@@ -55,29 +55,29 @@ class Checkpoint:
                 "are the same"
             )
         if differing:
-            words = (f"{n} was {value(found.get(n))}, is {value(ours.get(n))}" for n in differing)
+            parts = (f"{n} was {value(found.get(n))}, is {value(ours.get(n))}" for n in differing)
             raise ValueError(
-                f"checkpoint {self.path} is of another sweep: {'; '.join(words)}; give another "
+                f"checkpoint {self.path} is of another sweep: {'; '.join(parts)}; give another "
                 "checkpoint= to begin anew"
             )
 
-    def read(self, settings: int) -> list[Tally]:
+    def read(self, settings: int) -> list[SettingState]:
         """What is known of each setting."""
         return [self._read(self._place(k)) for k in range(settings)]
 
-    def _read(self, place: Path) -> Tally:
+    def _read(self, place: Path) -> SettingState:
         if not place.exists():
-            return Tally()
+            return SettingState()
         try:
-            return Tally.from_bytes(place.read_bytes())
+            return SettingState.from_bytes(place.read_bytes())
         except ValueError as error:
             raise ValueError(
                 f"{place}: {error}; without this file its runs are computed again"
             ) from None
 
-    def write(self, setting: int, tally: Tally) -> None:
+    def write(self, setting: int, state: SettingState) -> None:
         """Replaces what is known of a setting."""
-        self._replace(self._place(setting), tally.to_bytes())
+        self._replace(self._place(setting), state.to_bytes())
 
     def _place(self, setting: int) -> Path:
         return self.path / f"{setting:04d}.tally"

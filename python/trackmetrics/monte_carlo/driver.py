@@ -3,18 +3,21 @@
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from typing import Any
 
-from trackmetrics.monte_carlo.executors import Workers, uninterrupted, workers_of
-from trackmetrics.monte_carlo.jobs import Done, Job, described
+from trackmetrics.monte_carlo.executors import Workers, open_workers, uninterrupted
+from trackmetrics.monte_carlo.jobs import Job, JobResult, describe_run
 from trackmetrics.monte_carlo.progress import Progress
-from trackmetrics.monte_carlo.sweep_state import SweepState, single_runs
+from trackmetrics.monte_carlo.sweep_state import SweepState, halves
 
-Pending = dict["Future[Done]", Job]
+_DIED = "its worker process died, twice: killed, out of memory, or ended by its own code"
+
+Pending = dict["Future[JobResult]", Job]
 
 
 def run_jobs(state: SweepState, executor: Any, count: int | None, bar: Progress) -> None:
     """Works on all jobs; on an error, keeps what has finished and gives up the rest."""
     template = state.template
-    with workers_of(executor, count, template.simulate, template.threads) as workers:
+    simulate, threads = template.simulate, template.threads
+    with open_workers(executor, count, simulate, threads, state.settings) as workers:
         pending: Pending = {}
         try:
             while True:
@@ -52,7 +55,7 @@ def _collect(state: SweepState, workers: Workers, pending: Pending, bar: Progres
             bar.add(_take(state, pending.pop(future), future))
 
 
-def _take(state: SweepState, job: Job, future: "Future[Done]") -> int:
+def _take(state: SweepState, job: Job, future: "Future[JobResult]") -> int:
     """Adds a finished job; how many runs that were."""
     error = future.exception()
     if error is None:
@@ -61,7 +64,7 @@ def _take(state: SweepState, job: Job, future: "Future[Done]") -> int:
         raise error
     # The runs themselves fail inside the job: what fails here is sending its result.
     if job.stop - job.first > 1:
-        state.again.extend(single_runs(job))
+        state.again.extend(halves(job))
         return 0
     return state.fail(job, f"{type(error).__name__}: {error}")
 
@@ -69,17 +72,22 @@ def _take(state: SweepState, job: Job, future: "Future[Done]") -> int:
 def _replace_workers(
     state: SweepState, workers: Workers, pending: Pending, error: BaseException, bar: Progress
 ) -> None:
-    """After the death of a worker: all runs that were under way are done again, one at a time."""
+    """After the death of a worker: all jobs that were under way are done again, one at a time.
+
+    A job that kills its worker again is halved, so that the run at fault is found in a few steps.
+    """
     wait(pending)
     suspects: list[Job] = []
     for future, job in list(pending.items()):
         del pending[future]
         if isinstance(future.exception(), BrokenExecutor):
-            suspects.extend(single_runs(job))
+            suspects.append(job)
         else:
             bar.add(_take(state, job, future))
     _restart(workers, error)
-    for job in suspects:
+    suspects.reverse()
+    while suspects:
+        job = suspects.pop()
         future = workers.submit(job)
         while not future.done():
             wait([future], timeout=0.2)
@@ -88,10 +96,12 @@ def _replace_workers(
             bar.add(_take(state, job, future))
             continue
         _restart(workers, error_again)
-        text = "its worker process died, twice: killed, out of memory, or ended by its own code"
-        if not state.collects:
-            raise RuntimeError(f"{described(job, job.first)}: {text}") from error_again
-        bar.add(state.fail(job, f"RuntimeError: {text}"))
+        if job.stop - job.first > 1:
+            suspects.extend(reversed(halves(job)))
+        elif state.collects:
+            bar.add(state.fail(job, f"RuntimeError: {_DIED}"))
+        else:
+            raise RuntimeError(f"{describe_run(job, job.first)}: {_DIED}") from error_again
 
 
 def _restart(workers: Workers, error: BaseException) -> None:

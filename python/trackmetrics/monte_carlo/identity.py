@@ -9,14 +9,14 @@ from types import CodeType
 from typing import Any
 
 
-def described(value: Any) -> Any:
+def to_jsonable(value: Any) -> Any:
     """A setting's value as JSON keeps it, distinct for distinct values."""
     if isinstance(value, bool | int | float | str | type(None)):
         return value if not isinstance(value, float) else repr(value)
     if isinstance(value, list | tuple):
-        return [described(item) for item in value]
+        return [to_jsonable(item) for item in value]
     if isinstance(value, Mapping):
-        return {str(key): described(item) for key, item in value.items()}
+        return {str(key): to_jsonable(item) for key, item in value.items()}
     return _fingerprint(value)
 
 
@@ -28,7 +28,7 @@ def _fingerprint(value: Any) -> str:
 def name_of(simulate: Any) -> str:
     """``module:qualname``; a ``functools.partial`` adds what it binds."""
     if hasattr(simulate, "func") and hasattr(simulate, "keywords"):
-        bound = described([simulate.args, simulate.keywords])
+        bound = to_jsonable([simulate.args, simulate.keywords])
         return f"{name_of(simulate.func)} with {json.dumps(bound)}"
     named = simulate if hasattr(simulate, "__qualname__") else type(simulate)
     return f"{named.__module__}:{named.__qualname__}"
@@ -96,10 +96,10 @@ def identity(
     return {
         "simulate": name_of(simulate),
         "source": source_of(simulate),
-        "seed": described(seed),
-        "grid": [described(dict(settings)) for settings in grid],
-        "version": described(version),
+        "seed": to_jsonable(seed),
+        "grid": [to_jsonable(dict(settings)) for settings in grid],
+        "version": to_jsonable(version),
         "trackmetrics": __version__,
         "backend": backend(),
-        **{name: described(value) for name, value in others.items()},
+        **{name: to_jsonable(value) for name, value in others.items()},
     }

@@ -18,17 +18,17 @@ from trackmetrics import _backend
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.setting_state import RunMismatchError, Tally
+from trackmetrics.monte_carlo.setting_state import RunMismatchError, SettingState
 
 ARRAYS = ("truth", "estimates", "covariances", "innovations", "innovation_covariances")
-_TOGETHER = 64
+BATCH_RUNS = 64
 """Runs whose arrays are kept until they are reduced together."""
-_BYTES = 8 << 20
+BATCH_BYTES = 8 << 20
 """Bytes of arrays after which they are reduced earlier."""
 _TOKEN = uuid.uuid4().hex
 
 
-def here() -> tuple[str, int]:
+def process_token() -> tuple[str, int]:
     """This process: a token of the import, and the number, since children inherit the token."""
     return _TOKEN, os.getpid()
 
@@ -49,15 +49,15 @@ class Job:
     consistency: Mapping[str, Any]
     backend: str
     threads: int
-    origin: tuple[str, int] = field(default_factory=here)
+    origin: tuple[str, int] = field(default_factory=process_token)
 
 
 @dataclass(frozen=True)
-class Done:
-    """What came of a job."""
+class JobResult:
+    """The result of a job."""
 
     setting: int
-    tally: Tally
+    state: SettingState
     seconds: float
 
 
@@ -66,7 +66,7 @@ def generator(seed: Any, run: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(run,)))
 
 
-def work(job: Job, stopped: threading.Event | None = None) -> Done:
+def work(job: Job, stopped: threading.Event | None = None) -> JobResult:
     """Simulates the runs of a job and reduces them; ends early, whole, where it is ``stopped``."""
     start = time.perf_counter()
     with _as_asked(job):
@@ -76,13 +76,13 @@ def work(job: Job, stopped: threading.Event | None = None) -> Done:
                 break
             reducer.simulate(run)
         reducer.reduce()
-    return Done(job.setting, reducer.tally, time.perf_counter() - start)
+    return JobResult(job.setting, reducer.state, time.perf_counter() - start)
 
 
 def _is_interrupted_by_user(job: Job) -> bool:
     """Ctrl-C arrives in the main thread of the process of the sweep; elsewhere a run raised it."""
     in_main_thread = threading.current_thread() is threading.main_thread()
-    return in_main_thread and job.origin == here()
+    return in_main_thread and job.origin == process_token()
 
 
 @contextmanager
@@ -101,7 +101,7 @@ def _without_interrupts() -> Iterator[None]:
 @contextmanager
 def _as_asked(job: Job) -> Iterator[None]:
     """In a process of its own, a job brings its backend and its number of kernel threads."""
-    if job.origin == here():
+    if job.origin == process_token():
         yield
         return
     before = _backend.threads()
@@ -117,7 +117,7 @@ class _Reducer:
     """Collects runs and reduces them together."""
 
     def __init__(self, job: Job) -> None:
-        self.job, self.tally = job, Tally()
+        self.job, self.state = job, SettingState()
         self.outputs: list[Mapping[str, Any]] = []
         self.first = job.first
         self.bytes = 0
@@ -133,7 +133,7 @@ class _Reducer:
             return
         self.outputs.append(output)
         self.bytes += sum(x.nbytes for x in output.values() if isinstance(x, np.ndarray))
-        if len(self.outputs) == _TOGETHER or self.bytes > _BYTES:
+        if len(self.outputs) == BATCH_RUNS or self.bytes > BATCH_BYTES:
             self.reduce()
 
     def _simulated(self, run: int) -> Any:
@@ -154,7 +154,7 @@ class _Reducer:
         if not outputs:
             return
         try:
-            self.tally.merge(_tally(self.job, outputs, first))
+            self.state.merge(_reduced(self.job, outputs, first))
         except Exception as error:
             if len(outputs) == 1:
                 self._fail(first, error)
@@ -166,16 +166,16 @@ class _Reducer:
 
     def _fail(self, run: int, error: Exception) -> None:
         if not self.job.collect:
-            error.add_note(f"in {described(self.job, run)}")
-            raise error if self.job.origin == here() else _travelling(error)
+            error.add_note(f"in {describe_run(self.job, run)}")
+            raise error if self.job.origin == process_token() else _travelling(error)
         if isinstance(error, RunMismatchError):
-            self.tally.fail(run, *mismatch(error))
+            self.state.fail(run, *mismatch(error))
             return
         text = traceback.format_exception_only(error)[0].strip()
-        self.tally.fail(run, text, "".join(traceback.format_exception(error)))
+        self.state.fail(run, text, "".join(traceback.format_exception(error)))
 
 
-def described(job: Job, run: int) -> str:
+def describe_run(job: Job, run: int) -> str:
     """The run of a job, for messages."""
     given = ", ".join(f"{name}={value!r}" for name, value in job.settings.items())
     return f"run {run} of seed {job.seed}{given and f' with {given}'}"
@@ -223,33 +223,33 @@ def _score(name: str, value: Any) -> float:
     return float(value)
 
 
-def _tally(job: Job, outputs: list[Mapping[str, Any]], first: int) -> Tally:
+def _reduced(job: Job, outputs: list[Mapping[str, Any]], first: int) -> SettingState:
     """The runs from ``first`` on, reduced."""
     names = list(outputs[0])
     for i, output in enumerate(outputs):
         if list(output) != names:
             here, there = ", ".join(output), ", ".join(names)
             raise ValueError(f"run {first + i} gave {here}; run {first} gave {there}")
-    tally, stop = Tally(), first + len(outputs)
+    state, stop = SettingState(), first + len(outputs)
     scores: dict[str, Any] = {}
     batch = {name: _stacked(name, outputs, first) for name in names if name in ARRAYS}
     if batch:
         consistency = ConsistencyAccumulator(**job.consistency)
-        scores |= _built_in(consistency.absorb(batch, first), consistency.shape or {})
-        tally.take("consistency", consistency, first, stop)
+        scores |= _built_in(consistency.add_runs(batch, first), consistency.shape or {})
+        state.add("consistency", consistency, first, stop)
     for name in names:
         values = [output[name] for output in outputs]
         if isinstance(values[0], Accumulator):
             for run, accumulator in enumerate(values, first):
-                tally.take(name, accumulator.moved_to(run), run, run + 1)
+                state.add(name, accumulator.moved_to(run), run, run + 1)
         elif name not in ARRAYS:
             scores[name] = values
     if scores:
         cell = ScoreAccumulator(job.block_level)
         cell.update(scores, first)
-        tally.take("scores", cell, first, stop)
-    tally.cover(first, stop)
-    return tally
+        state.add("scores", cell, first, stop)
+    state.mark_done(first, stop)
+    return state
 
 
 def _stacked(name: str, outputs: list[Mapping[str, Any]], first: int) -> Any:

@@ -1,4 +1,4 @@
-"""What a sweep found."""
+"""The result of a sweep: statistics of every setting and step."""
 
 import os
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
 from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.run_tree import Floats
 from trackmetrics.monte_carlo.selection import BestSetting, select_best
-from trackmetrics.monte_carlo.setting_state import Failure, Tally
+from trackmetrics.monte_carlo.setting_state import Failure, SettingState
 
 Rows = Literal["steps", "settings"]
 
@@ -25,46 +25,46 @@ class SweepResult:
     """Statistics of every setting and step of a sweep."""
 
     runs: int
-    """Runs of each setting that were asked for."""
+    """Requested runs of each setting."""
     seed: Any
-    """What decided the random numbers."""
+    """The seed of the random numbers."""
     grid: list[dict[str, Any]]
     """The settings."""
-    accumulators: list[Tally]
+    setting_states: list[SettingState]
     """What was accumulated for each setting."""
+
+    tallies = _deprecated.attribute("setting_states")
+    done = _deprecated.attribute("completed_runs")
 
     @property
     def completed_runs(self) -> list[int]:
         """Runs of each setting that are done, failed ones too."""
-        return [len(tally) for tally in self.accumulators]
-
-    tallies = _deprecated.attribute("accumulators")
-    done = _deprecated.attribute("completed_runs")
+        return [len(state) for state in self.setting_states]
 
     @property
     def complete(self) -> bool:
         """Whether every run of every setting is done."""
-        return all(completed == self.runs for completed in self.completed_runs)
+        return all(done == self.runs for done in self.completed_runs)
 
     @property
     def failures(self) -> list[Failure]:
         """The runs that failed, by setting and run."""
         return [
-            Failure(run, settings, *tally.failures[run])
-            for settings, tally in zip(self.grid, self.accumulators, strict=True)
-            for run in sorted(tally.failures)
+            Failure(run, settings, *state.failures[run])
+            for settings, state in zip(self.grid, self.setting_states, strict=True)
+            for run in sorted(state.failures)
         ]
 
     @cached_property
     def consistency(self) -> list[ConsistencySummary]:
         """The statistics of errors and innovations of each setting."""
-        cells = [tally.cells.get("consistency") for tally in self.accumulators]
-        if not any(isinstance(cell, ConsistencyAccumulator) for cell in cells):
+        found = [state.accumulators.get("consistency") for state in self.setting_states]
+        if not any(isinstance(cell, ConsistencyAccumulator) for cell in found):
             raise ValueError("no run gave truth, estimates and covariances, or innovations")
         return [
             cell.result() if isinstance(cell, ConsistencyAccumulator) else
             ConsistencySummary(0, None, None)
-            for cell in cells
+            for cell in found
         ]  # fmt: skip
 
     @property
@@ -74,7 +74,7 @@ class SweepResult:
 
     @property
     def anees_interval(self) -> Floats:
-        """Where the ANEES of a consistent filter lies, ``(2,)``; ``(settings, 2)`` where settings
+        """Acceptance interval of the ANEES, ``(2,)``; ``(settings, 2)`` where settings
         have different numbers of runs."""
         return _one_or_each(self._stacked("states", "interval"))
 
@@ -105,7 +105,7 @@ class SweepResult:
 
     def __getitem__(self, name: str) -> list[Any]:
         """For each setting the result of the accumulators that runs returned as ``name``."""
-        found = [tally.cells.get(name) for tally in self.accumulators]
+        found = [state.accumulators.get(name) for state in self.setting_states]
         if not any(found):
             raise KeyError(name)
         return [None if cell is None else cell.result() for cell in found]
@@ -114,7 +114,7 @@ class SweepResult:
     def scores(self) -> dict[str, Floats]:
         """Mean over runs of every score, ``(settings,)``: ``nees`` and ``nis`` (means over steps of
         q / n), ``squared_error[j]`` of each state, and those that the runs returned."""
-        means = [cell.means() if cell else {} for cell in self._score_cells()]
+        means = [cell.means() if cell else {} for cell in self._score_accumulators()]
         names = list(dict.fromkeys(name for found in means for name in found))
         return {name: np.array([found.get(name, np.nan) for found in means]) for name in names}
 
@@ -132,8 +132,8 @@ class SweepResult:
         ----------
         by : str
             ``"anees"`` or ``"anis"``: the least distance from 0 of ln(mean over runs and steps of
-            q / n), where a consistent filter is. ``"rmse"``: the least root of the summed mean
-            squared errors of ``states``, which must have one unit. Or the name of a score.
+            q / n), which is 0 for a consistent filter. ``"rmse"``: the least root of the summed
+            mean squared errors of ``states``, which must have one unit. Or the name of a score.
         states : sequence of int
             For ``"rmse"``; by default all.
         maximize : bool
@@ -143,22 +143,22 @@ class SweepResult:
 
         Notes
         -----
-        Runs are paired, since all settings saw the same random numbers. The interval of the best of
-        many settings is slightly optimistic (selection bias, the "winner's curse").
+        Runs are paired, since all settings have the same random numbers. The value of the best of
+        many settings is biased towards better values, because it was selected by that value.
         """
-        cells = self._score_cells()
-        return select_best(self.grid, cells, by, states, maximize, confidence)
+        found = self._score_accumulators()
+        return select_best(self.grid, found, by, states, maximize, confidence)
 
     def to_columns(self, rows: Rows = "steps") -> dict[str, list[Any]]:
         """A tidy table: one row for each setting and step, or for each setting, by columns."""
         if rows not in ("steps", "settings"):
             raise ValueError(f"rows must be 'steps' or 'settings', got {rows!r}")
         if rows == "steps":
-            return tables.of_steps(self.grid, self.consistency)
-        failed = [len(tally.failures) for tally in self.accumulators]
+            return tables.step_table(self.grid, self.consistency)
+        failed = [len(state.failures) for state in self.setting_states]
         scores = list(self.scores)
-        return tables.of_settings(
-            self.grid, self.completed_runs, failed, self._score_cells(), scores
+        return tables.setting_table(
+            self.grid, self.completed_runs, failed, self._score_accumulators(), scores
         )
 
     def to_pandas(self, rows: Rows = "steps") -> Any:
@@ -178,7 +178,7 @@ class SweepResult:
         self.to_polars(rows).write_parquet(path)
 
     def to_dict(self) -> dict[str, Any]:
-        """What a page or a log needs: settings, scores and failures."""
+        """Settings, scores and failures, ready for JSON."""
         return {
             "runs": self.runs,
             "seed": self.seed,
@@ -189,7 +189,7 @@ class SweepResult:
 
     def to_bytes(self) -> bytes:
         """Everything that was accumulated: the same bytes for the same seed, grid and runs."""
-        return b"".join(tally.to_bytes() for tally in self.accumulators)
+        return b"".join(state.to_bytes() for state in self.setting_states)
 
     def __repr__(self) -> str:
         failed = len(self.failures)
@@ -199,9 +199,9 @@ class SweepResult:
         parts += [f"{name}={values.round(4).tolist()}" for name, values in self.scores.items()]
         return f"SweepResult({', '.join(parts)})"
 
-    def _score_cells(self) -> list[ScoreAccumulator | None]:
-        cells = [tally.cells.get("scores") for tally in self.accumulators]
-        return [cell if isinstance(cell, ScoreAccumulator) else None for cell in cells]
+    def _score_accumulators(self) -> list[ScoreAccumulator | None]:
+        found = [state.accumulators.get("scores") for state in self.setting_states]
+        return [cell if isinstance(cell, ScoreAccumulator) else None for cell in found]
 
     def _forms(self, channel: str) -> list[ErrorStatistics | None]:
         forms = [getattr(result, channel) for result in self.consistency]

@@ -1,4 +1,4 @@
-"""Arrays as bytes: a magic word, the version, a checksum, a header in JSON, then the arrays.
+"""Arrays as bytes: a magic number, the version, a checksum, a header in JSON, then the arrays.
 
 Nothing is unpickled, so that bytes from anywhere can be read; what is not whole is refused.
 """
@@ -27,14 +27,14 @@ _MALFORMED = (
 )
 
 
-def seal(kind: str, header: Mapping[str, Any], body: bytes) -> bytes:
+def encode(kind: str, header: Mapping[str, Any], body: bytes) -> bytes:
     """``body`` with what it is, a header of JSON, and a checksum."""
     text = json.dumps({"kind": kind, **header}).encode()
     content = text + body
     return MAGIC + _FIXED.pack(VERSION, zlib.crc32(content), len(text)) + content
 
 
-def opened(data: bytes, kind: str) -> tuple[dict[str, Any], bytes]:
+def decode(data: bytes, kind: str) -> tuple[dict[str, Any], bytes]:
     """The header and the body of what ``seal`` made."""
     start = len(MAGIC) + _FIXED.size
     if data[: len(MAGIC)] != MAGIC or len(data) < start:
@@ -80,12 +80,12 @@ def pack(kind: str, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]
             data = zlib.compress(data, 1)
         columns.append([name, array.dtype.str[1:], array.shape, len(data)])
         parts.append(data)
-    return seal(kind, {"header": header, "arrays": columns}, b"".join(parts))
+    return encode(kind, {"header": header, "arrays": columns}, b"".join(parts))
 
 
 def unpack(data: bytes, kind: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """The header and the arrays of what ``pack`` made."""
-    content, body = opened(data, kind)
+    content, body = decode(data, kind)
     arrays: dict[str, NDArray[Any]] = {}
     place, left = 0, _MIN_INFLATED + _MAX_RATIO * len(data)
     with refusing_malformed():

@@ -9,14 +9,14 @@ import numpy as np
 
 from trackmetrics import _backend, _check
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
-from trackmetrics.monte_carlo.accumulators.scores import block_level
+from trackmetrics.monte_carlo.accumulators.scores import block_level_for
 from trackmetrics.monte_carlo.checkpoint import Checkpoint
 from trackmetrics.monte_carlo.driver import run_jobs
 from trackmetrics.monte_carlo.identity import identity
 from trackmetrics.monte_carlo.jobs import Job
 from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.results import SweepResult
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import SettingState
 from trackmetrics.monte_carlo.sweep_state import SweepState
 
 
@@ -47,11 +47,11 @@ def sweep(
     innovation_angles: Mapping[int, float] | None = None,
     worker_threads: int = 1,
 ) -> SweepResult:
-    """Runs a simulation many times for every setting of a grid, and keeps the statistics.
+    """Run a simulation many times for every setting of a grid, and accumulate the statistics.
 
     A run's random numbers are ``default_rng(SeedSequence(seed, spawn_key=(run,)))``, the same for
     every setting. So settings are compared on the same noise, and a result depends on the seed
-    alone: not on the executor, the chunks, their order, or on having been killed and gone on with.
+    alone, not on the executor, the chunks, their order, or interruptions.
 
     Parameters
     ----------
@@ -124,25 +124,24 @@ def sweep(
     [2.0, 1.0, 0.5]
     """
     settings = expand(grid)
-    counts = {"runs": runs, "chunk": chunk, "workers": workers, "worker_threads": worker_threads}
-    for name, count in counts.items():
-        if count is not None:
-            _check.count(name, count, 1)
-    _check_others(simulate, seed, checkpoint, on_error)
+    runs, worker_threads = _count("runs", runs), _count("worker_threads", worker_threads)
+    chunk = None if chunk is None else _count("chunk", chunk)
+    workers = None if workers is None else _count("workers", workers)
+    _check_others(simulate, seed, checkpoint, on_error, progress)
     options = {"angles": angles, "innovation_angles": innovation_angles}
     # Refuses what are no angles, before the first run.
     ConsistencyAccumulator(angles=angles, innovation_angles=innovation_angles)
     store = None
-    tallies = [Tally() for _ in settings]
+    setting_states = [SettingState() for _ in settings]
     if checkpoint is not None:
         kept = {name: dict(value) if value else None for name, value in options.items()}
         store = Checkpoint(checkpoint, identity(simulate, seed, settings, version, **kept))
-        tallies = store.read(len(settings))
+        setting_states = store.read(len(settings))
     template = Job(
-        simulate, 0, {}, 0, 0, seed, on_error == "collect", block_level(runs), options,
+        simulate, 0, {}, 0, 0, seed, on_error == "collect", block_level_for(runs), options,
         _backend.backend(), worker_threads,
     )  # fmt: skip
-    state = SweepState(runs, settings, tallies, store, template, chunk)
+    state = SweepState(runs, settings, setting_states, store, template, chunk)
     with Progress(progress, runs * len(settings), state.done()) as bar:
         try:
             run_jobs(state, executor, workers, bar)
@@ -153,7 +152,7 @@ def sweep(
 
 def _result(state: SweepState) -> SweepResult:
     """What is known now."""
-    return SweepResult(state.runs, state.template.seed, state.settings, state.tallies)
+    return SweepResult(state.runs, state.template.seed, state.settings, state.setting_states)
 
 
 def expand(
@@ -172,6 +171,8 @@ def expand(
     for name, values in grid.items():
         if isinstance(values, str) or not hasattr(values, "__iter__"):
             raise TypeError(f"grid[{name!r}] must be a sequence of values, got {values!r}")
+        if not isinstance(name, str):
+            raise TypeError(f"grid must name parameters by text, got {name!r}")
     columns = [[_plain(value) for value in values] for values in grid.values()]
     if not all(columns):
         empty = next(name for name, values in zip(grid, columns, strict=True) if not values)
@@ -184,17 +185,28 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
 
 
-def _check_others(simulate: Any, seed: Any, checkpoint: Any, on_error: str) -> None:
+def _count(argument: str, value: Any) -> int:
+    """A whole number, at least 1; a boolean is none."""
+    if isinstance(value, bool | np.bool_):
+        raise TypeError(f"{argument} must be a whole number, at least 1, got {value!r}")
+    _check.count(argument, value, 1)
+    return int(value)
+
+
+def _check_others(simulate: Any, seed: Any, checkpoint: Any, on_error: str, progress: Any) -> None:
     if not callable(simulate):
         raise TypeError(f"simulate must be a function, got {type(simulate).__name__}")
     try:
         # None would be another seed in every run.
-        seeded = seed is not None and np.random.SeedSequence(seed) is not None
+        seeded = seed is not None and not isinstance(seed, bool | np.bool_) and np.size(seed) > 0
+        seeded = seeded and np.random.SeedSequence(seed) is not None
     except (TypeError, ValueError):
         seeded = False
     if not seeded:
         raise ValueError(f"seed must be a whole number, at least 0, or several, got {seed!r}")
     if checkpoint is not None and not isinstance(checkpoint, str | os.PathLike):
         raise TypeError(f"checkpoint must be a path, got {checkpoint!r}")
+    if not callable(progress) and not isinstance(progress, bool | np.bool_):
+        raise TypeError(f"progress must be True, False or a function, got {progress!r}")
     if on_error not in ("raise", "collect"):
         raise ValueError(f"on_error must be 'raise' or 'collect', got {on_error!r}")

@@ -7,8 +7,8 @@ from typing import Any
 
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
 from trackmetrics.monte_carlo.checkpoint import Checkpoint
-from trackmetrics.monte_carlo.jobs import Done, Job, mismatch
-from trackmetrics.monte_carlo.setting_state import RunMismatchError, Tally
+from trackmetrics.monte_carlo.jobs import Job, JobResult, mismatch
+from trackmetrics.monte_carlo.setting_state import RunMismatchError, SettingState
 
 CHUNK_SECONDS = 0.5
 """How long a job should take, where its size is not given."""
@@ -22,33 +22,33 @@ class SweepState:
 
     runs: int
     settings: list[dict[str, Any]]
-    tallies: list[Tally]
+    setting_states: list[SettingState]
     store: Checkpoint | None
     template: Job
     chunk: int | None
     seconds: float | None = None
     """Of a run, lately."""
     again: deque[Job] = field(default_factory=deque)
-    """Jobs of one run that are to be done, or done again."""
+    """Jobs that are to be done again, in halves."""
     left: list[list[tuple[int, int]]] = field(init=False)
     """For each setting the runs that no job has, as intervals."""
 
     def __post_init__(self) -> None:
-        for tally in self.tallies:
-            if tally.covered and tally.covered[-1][1] > self.runs:
-                have = tally.covered[-1][1]
+        for state in self.setting_states:
+            if state.covered and state.covered[-1][1] > self.runs:
+                have = state.covered[-1][1]
                 raise ValueError(
                     f"the checkpoint already holds {have} runs, more than runs={self.runs}"
                 )
-            scores = tally.cells.get("scores")
+            scores = state.accumulators.get("scores")
             if isinstance(scores, ScoreAccumulator):
-                scores.coarsen(self.template.block_level)
-        self.waiting: list[dict[int, tuple[Job, Done]]] = [{} for _ in self.settings]
-        self.left = [_complement(tally.covered, self.runs) for tally in self.tallies]
+                scores.merge_blocks(self.template.block_level)
+        self.waiting: list[dict[int, tuple[Job, JobResult]]] = [{} for _ in self.settings]
+        self.left = [_complement(state.covered, self.runs) for state in self.setting_states]
 
     def done(self) -> int:
         """Runs that are done, over all settings."""
-        return sum(len(tally) for tally in self.tallies)
+        return sum(len(state) for state in self.setting_states)
 
     @property
     def collects(self) -> bool:
@@ -82,14 +82,14 @@ class SweepState:
         settings = self.settings[setting]
         return replace(self.template, setting=setting, settings=settings, first=first, stop=stop)
 
-    def take(self, job: Job, done: Done) -> int:
-        """Adds what came of a job; how many runs that were.
+    def take(self, job: Job, done: JobResult) -> int:
+        """Adds the result of a job; returns how many runs it has.
 
         Where failures are collected, the first runs that succeed say what the others must return.
         So what comes before them waits: the result does not depend on who was faster.
         """
         setting = done.setting
-        if not self.collects or self.tallies[setting].cells:
+        if not self.collects or self.setting_states[setting].accumulators:
             return self._merge(job, done)
         self.waiting[setting][job.first] = (job, done)
         return self._merge_waiting(setting)
@@ -97,41 +97,42 @@ class SweepState:
     def _merge_waiting(self, setting: int) -> int:
         waiting, taken = self.waiting[setting], 0
         while waiting:
-            tally, first = self.tallies[setting], min(waiting)
-            if not tally.cells and first != _complement(tally.covered, self.runs)[0][0]:
+            state, first = self.setting_states[setting], min(waiting)
+            if not state.accumulators and first != _complement(state.covered, self.runs)[0][0]:
                 break
             taken += self._merge(*waiting.pop(first))
         return taken
 
-    def _merge(self, job: Job, done: Done) -> int:
-        tally = self.tallies[done.setting]
+    def _merge(self, job: Job, done: JobResult) -> int:
+        state = self.setting_states[done.setting]
         try:
-            tally.merge(done.tally)
+            state.merge(done.state)
         except RunMismatchError as error:
             if not self.collects:
                 raise
             if job.stop - job.first > 1:
-                self.again.extend(single_runs(job))
+                self.again.extend(halves(job))
                 return 0
-            tally.fail(job.first, *mismatch(error))
+            state.fail(job.first, *mismatch(error))
         if self.store:
-            self.store.write(done.setting, tally)
-        if len(done.tally):
-            self.seconds = done.seconds / len(done.tally)
-        return len(done.tally)
+            self.store.write(done.setting, state)
+        if len(done.state):
+            self.seconds = done.seconds / len(done.state)
+        return len(done.state)
 
     def fail(self, job: Job, error: str) -> int:
         """Lists the one run of a job as failed; how many runs are done by that."""
-        tally = self.tallies[job.setting]
-        tally.fail(job.first, error, "")
+        state = self.setting_states[job.setting]
+        state.fail(job.first, error, "")
         if self.store:
-            self.store.write(job.setting, tally)
+            self.store.write(job.setting, state)
         return 1 + self._merge_waiting(job.setting)
 
 
-def single_runs(job: Job) -> list[Job]:
-    """A job for each run of a job."""
-    return [replace(job, first=run, stop=run + 1) for run in range(job.first, job.stop)]
+def halves(job: Job) -> list[Job]:
+    """A job of several runs as two: in a few steps that leads to the run at fault."""
+    middle = (job.first + job.stop) // 2
+    return [replace(job, stop=middle), replace(job, first=middle)]
 
 
 def _complement(covered: Sequence[tuple[int, int]], runs: int) -> list[tuple[int, int]]:

@@ -13,7 +13,7 @@ Grid = Sequence[dict[str, Any]]
 Columns = dict[str, list[Any]]
 
 
-def of_steps(grid: Grid, summaries: Sequence[ConsistencySummary]) -> Columns:
+def step_table(grid: Grid, summaries: Sequence[ConsistencySummary]) -> Columns:
     """One row for each setting and step."""
     tables = []
     for settings, found in zip(grid, summaries, strict=True):
@@ -51,7 +51,7 @@ def _columns(form: ErrorStatistics, mean: str, prefix: str) -> Columns:
     return {name: np.asarray(column).tolist() for name, column in columns.items()}
 
 
-def of_settings(
+def setting_table(
     grid: Grid,
     done: Sequence[int],
     failed: Sequence[int],

@@ -42,4 +42,6 @@ def break_at_jumps(
     if period is None or len(y) < 2:
         return columns
     jumps = np.flatnonzero(np.abs(np.diff(y)) > period / 2) + 1
+    if not len(jumps):
+        return columns
     return tuple(np.insert(column, jumps, np.nan) for column in columns)

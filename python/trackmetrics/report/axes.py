@@ -52,7 +52,7 @@ def log_ticks(limits: Limits) -> list[tuple[float, str]]:
 def drop_nan(*columns: Floats) -> list[Floats]:
     """The rows in which every column has a value, so that a line joins them."""
     known = np.logical_and.reduce([np.isfinite(column) for column in columns])
-    return [column[known] for column in columns]
+    return list(columns) if known.all() else [column[known] for column in columns]
 
 
 def finite_runs(*columns: Floats) -> list[slice]:

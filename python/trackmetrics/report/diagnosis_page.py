@@ -1,23 +1,34 @@
 """One self-contained HTML page about a diagnosis.
 
-The HTML comes from ``templates/``. Plotly and the figures travel compressed inside it and are
-unpacked by the browser when they are looked at, so that a hundred tracks are a few megabytes.
+The HTML comes from ``templates/``. Plotly, the figures and the tables of the tracks are compressed
+inside it; the browser unpacks and builds them when a track is opened.
 """
 
 import base64
+import gc
 import gzip
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from trackmetrics._format import number, p_value
+from trackmetrics._progress import with_progress
 from trackmetrics.diagnostics import Diagnosis
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import draw_plotly, theme
-from trackmetrics.report.comparison_scene import comparison_scene
+from trackmetrics.report.comparison_scene import Comparison
 from trackmetrics.report.holdout_section import predictions
-from trackmetrics.report.page_tables import first_event, timeline_bars, track_tables, update_table
+from trackmetrics.report.packing import FORMS, PackedArrays
+from trackmetrics.report.page_tables import (
+    first_event,
+    quantity_verdicts,
+    timeline_bars,
+    track_tables,
+    update_table,
+)
 from trackmetrics.report.templates import environment
 from trackmetrics.report.track_scene import track_scene
 from trackmetrics.report.track_view import TrackView, track_views
@@ -25,6 +36,10 @@ from trackmetrics.vessel import HeldOut
 
 SHOWN = theme.TRACK_COLOURS
 """Number of tracks that the comparison shows at first, the most severe ones."""
+MAX_PLAIN_ROWS = 200
+"""The overview of more tracks than this is compressed, too, and needs JavaScript."""
+BLOCK = 40
+"""Number of tracks whose figures are compressed together and unpacked at once."""
 
 
 def render_page(
@@ -33,6 +48,7 @@ def render_page(
     *,
     title: str = "Estimator diagnosis",
     held_out: Mapping[str, HeldOut] | None = None,
+    progress: bool = False,
 ) -> str:
     """The diagnosis as one HTML file: overview, comparison, and each track in full.
 
@@ -52,6 +68,9 @@ def render_page(
     held_out
         The result of :func:`trackmetrics.vessel.predictive_nis`: adds a section about the reports
         that the filter was not given.
+    progress
+        Whether a bar on standard error counts the tracks, if this takes longer than a second
+        (needs the extra ``progress``).
 
     Returns
     -------
@@ -68,17 +87,25 @@ def render_page(
         role=theme.verdict_role,
     )
     env.filters.update(number=number, p=p_value)
-    plotly, compared = get_plotlyjs(), draw_plotly.figure(comparison_scene(views))
+    plotly, comparison = get_plotlyjs(), Comparison(views)
+    tracks = [_row(i, view) for i, view in enumerate(views)]
+    rows = ""
+    if len(views) > MAX_PLAIN_ROWS:
+        rows = _compressed(env.get_template("rows.html").render(tracks=tracks).encode())
     html: str = env.get_template("page.html").render(
         title=title,
         warnings=diagnosis.warnings,
         counts=_counts(views),
-        tracks=[_track(i, view, compared) for i, view in enumerate(views)],
+        tracks=tracks,
+        rows=rows,
         predictions=predictions(views, held_out),
         themes=theme.THEMES,
         shown=SHOWN,
-        comparison=_packed({**compared, "data": []}),
-        plotly=_compressed(plotly),
+        block_size=BLOCK,
+        forms=FORMS,
+        blocks=_blocks(views, comparison, progress),
+        comparison=_compressed(_json(draw_plotly.figure(comparison.scene(()))).encode()),
+        plotly=_compressed(plotly.encode()),
         plotly_licence=plotly[: plotly.index("*/")].removeprefix("/**").strip(),
         clock=views[0].clock.label if views else "minutes since start",
     )
@@ -92,9 +119,10 @@ def write_page(
     *,
     title: str = "Estimator diagnosis",
     held_out: Mapping[str, HeldOut] | None = None,
+    progress: bool = False,
 ) -> None:
     """Write :func:`render_page` to a file."""
-    html = render_page(diagnosis, log, title=title, held_out=held_out)
+    html = render_page(diagnosis, log, title=title, held_out=held_out, progress=progress)
     Path(path).write_text(html, encoding="utf-8")
 
 
@@ -106,31 +134,68 @@ def _counts(views: list[TrackView]) -> dict[str, int]:
     return counts
 
 
-def _track(index: int, view: TrackView, compared: dict[str, Any]) -> dict[str, Any]:
-    """The content of the template and of the browser for one track."""
-    name = draw_plotly.literal(view.track.track)
-    own = [trace for trace in compared["data"] if trace["name"] == name]
-    figures = {
-        "comparison": [{**trace, "showlegend": False} for trace in own],
-        "track": draw_plotly.figure(track_scene(view, titled=False)),
-        "updates": update_table(view),
-    }
+def _row(index: int, view: TrackView) -> dict[str, Any]:
+    """One track in the template: its row of the overview."""
     return {
         "index": index,
         "on": index < SHOWN,
         "diagnosis": view.track,
+        "quantity": view.quantities()[0],
+        "verdicts": quantity_verdicts(view),
         "style": view.style,
         "since": first_event(view),
         "bars": timeline_bars(view),
-        "tables": track_tables(view),
-        "data": _packed(figures),
     }
 
 
-def _packed(content: Any) -> str:
-    return _compressed(json.dumps(content, separators=(",", ":"), allow_nan=False))
+def _blocks(views: list[TrackView], comparison: Comparison, progress: bool) -> list[str]:
+    """The figures and tables of the tracks, compressed in blocks of ``BLOCK`` tracks."""
+    blocks: Iterable[list[TrackView]] = [views[i : i + BLOCK] for i in range(0, len(views), BLOCK)]
+    if progress:
+        blocks = with_progress(blocks, "drawing", -(-len(views) // BLOCK), f"x {BLOCK} tracks")
+    # zlib works without the interpreter's lock: one block is compressed while the next is made.
+    with _no_garbage_collection(), ThreadPoolExecutor(1) as pool:
+        parts = [pool.submit(_compressed, _block(block, comparison)) for block in blocks]
+        return [part.result() for part in parts]
 
 
-def _compressed(text: str) -> str:
-    """The text as the browser unpacks it; the same text gives the same bytes."""
-    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
+@contextmanager
+def _no_garbage_collection() -> Iterator[None]:
+    """Figures are many small objects without cycles; the search for cycles costs a fifth."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+def _block(views: list[TrackView], comparison: Comparison) -> bytes:
+    arrays = PackedArrays()
+    tracks = [_content(view, comparison, arrays) for view in views]
+    # One list for each part of all tracks: similar parts compress best beside each other.
+    return arrays.payload({part: [track[part] for track in tracks] for part in tracks[0]})
+
+
+def _content(view: TrackView, comparison: Comparison, arrays: PackedArrays) -> dict[str, Any]:
+    """What the browser draws and lists when a track is opened."""
+    arrays.begin_track()
+    own = draw_plotly.figure(comparison.scene([view]), arrays)["data"]
+    figure = draw_plotly.figure(track_scene(view, titled=False), arrays)
+    return {
+        "comparison": [{**trace, "showlegend": False} for trace in own],
+        "layout": figure["layout"],
+        "data": figure["data"],
+        "tables": [vars(table) for table in track_tables(view)],
+        "updates": update_table(view, arrays),
+    }
+
+
+def _json(content: Any) -> str:
+    return json.dumps(content, separators=(",", ":"), allow_nan=False)
+
+
+def _compressed(content: bytes) -> str:
+    """The content as the browser unpacks it; the same content gives the same text."""
+    return base64.b64encode(gzip.compress(content, 8, mtime=0)).decode()

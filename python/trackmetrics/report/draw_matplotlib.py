@@ -16,6 +16,7 @@ from trackmetrics.report.scene import (
     Primitive,
     Rects,
     Scene,
+    StdBand,
     Text,
 )
 from trackmetrics.report.theme import Theme
@@ -161,8 +162,7 @@ def _line(axes: Any, item: Line, theme: Theme) -> None:
 def _points(axes: Any, item: Points, theme: Theme) -> None:
     colour = theme.rgba(item.colour)
     axes.plot(
-        item.x,
-        item.y,
+        *item.drawn(),
         linestyle="none",
         marker=_MARKERS[item.symbol],
         markersize=item.size * _POINT,
@@ -173,7 +173,7 @@ def _points(axes: Any, item: Points, theme: Theme) -> None:
     )
 
 
-def _band(axes: Any, item: Band, theme: Theme) -> None:
+def _band(axes: Any, item: Band | StdBand, theme: Theme) -> None:
     colour = theme.rgba(item.colour)
     axes.fill_between(
         item.x,
@@ -186,7 +186,7 @@ def _band(axes: Any, item: Band, theme: Theme) -> None:
     )
 
 
-def _bars(axes: Any, item: ErrorBars, theme: Theme) -> None:
+def _error_bars(axes: Any, item: ErrorBars, theme: Theme) -> None:
     axes.vlines(
         item.x,
         item.low,
@@ -198,15 +198,15 @@ def _bars(axes: Any, item: ErrorBars, theme: Theme) -> None:
     )
 
 
-def _boxes(axes: Any, item: Rects, theme: Theme) -> None:
+def _rects(axes: Any, item: Rects, theme: Theme) -> None:
     from matplotlib.collections import PolyCollection
 
     corners = [
         [(a, c), (b, c), (b, d), (a, d)]
         for a, b, c, d in zip(item.left, item.right, item.low, item.high, strict=True)
     ]
-    boxes = PolyCollection(corners, facecolor=theme.rgba(item.colour), linewidth=0, zorder=1.4)
-    axes.add_collection(boxes, autolim=False)
+    rects = PolyCollection(corners, facecolor=theme.rgba(item.colour), linewidth=0, zorder=1.4)
+    axes.add_collection(rects, autolim=False)
 
 
 def _level(axes: Any, item: HLine, theme: Theme) -> None:
@@ -265,8 +265,9 @@ def _text(axes: Any, item: Text, theme: Theme) -> None:
 
 _DRAW: dict[type[Primitive], Callable[[Any, Any, Theme], None]] = {
     Band: _band,
-    ErrorBars: _bars,
-    Rects: _boxes,
+    StdBand: _band,
+    ErrorBars: _error_bars,
+    Rects: _rects,
     Event: _event,
     HLine: _level,
     Line: _line,

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from trackmetrics._format import MISSING, number, p_value
 from trackmetrics.diagnostics import QuantityVerdict
-from trackmetrics.report.draw_plotly import numbers
-from trackmetrics.report.theme import segment_role
+from trackmetrics.report.packing import PackedArrays
+from trackmetrics.report.theme import segment_role, verdict_label
 from trackmetrics.report.track_view import TrackView
 
 
@@ -39,7 +41,8 @@ def timeline_bars(view: TrackView) -> list[TimelineBar]:
                 100 * view.clock.at(time) / view.span[1]
                 for time in (segment.start_time, segment.stop_time)
             )
-            scale = f"{verdict.quantity.upper()} scale {segment.scale:.3g}, {segment.label}"
+            name = verdict.quantity.upper()
+            scale = f"{name} scale {number(segment.scale)}, {segment.label}"
             wide = max(right - left, 1.2)
             bars.append(TimelineBar(left, wide, 11 * row, segment_role(segment.label), scale))
     return bars
@@ -57,7 +60,9 @@ def _events(view: TrackView, verdict: QuantityVerdict) -> list[tuple[float, str]
     name = verdict.quantity.upper()
     times = (("from", verdict.onset_time), ("settled", verdict.settling_time))
     at = [(event, view.clock.at(time)) for event, time in times if time is not None]
-    return [(minute, f"{name} {event} {number(minute, 4)} min") for event, minute in at]
+    return [
+        (minute, f"{name} {event} {number(minute, 4)} {view.clock.unit}") for event, minute in at
+    ]
 
 
 def track_tables(view: TrackView) -> list[Table]:
@@ -71,7 +76,7 @@ def _segments(view: TrackView) -> Table:
     rows = tuple(
         (
             verdict.quantity.upper(),
-            f"{view.clock.at(s.start_time):.4g} to {view.clock.at(s.stop_time):.4g}",
+            f"{number(view.clock.at(s.start_time), 4)} to {number(view.clock.at(s.stop_time), 4)}",
             str(s.stop - s.start),
             number(s.scale),
             f"{number(s.interval[0])} to {number(s.interval[1])}",
@@ -81,7 +86,7 @@ def _segments(view: TrackView) -> Table:
         for verdict in view.quantities()
         for s in verdict.segments
     )
-    head = ("", "minutes", "updates", "scale", "95 % interval", "p", "verdict")
+    head = ("", f"time ({view.clock.unit})", "updates", "scale", "95 % interval", "p", "verdict")
     return Table("Segments: squared errors over their expectation from the covariance", head, rows)
 
 
@@ -106,7 +111,7 @@ def _states(view: TrackView) -> Table:
         "state",
         "observed by",
         "updates",
-        "longest gap (min)",
+        f"longest gap ({view.clock.unit})",
         "reference σ",
         "peak σ / reference",
         "information gain",
@@ -141,7 +146,7 @@ def _outliers(view: TrackView) -> Table:
         )
         for o in view.track.outliers
     )
-    return Table("Isolated outliers", ("minute", "NIS", "dof", "p"), rows)
+    return Table("Isolated outliers", (f"time ({view.clock.unit})", "NIS", "dof", "p"), rows)
 
 
 def _without_empty(table: Table) -> Table:
@@ -151,17 +156,40 @@ def _without_empty(table: Table) -> Table:
     return Table(table.caption, tuple(table.head[i] for i in kept), rows)
 
 
-def update_table(view: TrackView) -> dict[str, list[Any]]:
-    """The columns of all updates, for the table that the browser builds when it is opened."""
+def update_table(view: TrackView, arrays: PackedArrays) -> dict[str, Any]:
+    """The columns of all updates, for the table that the browser builds when it is opened.
+
+    A column is a reference to a packed column, or a list; ``names`` are the texts of its codes,
+    ``times`` is another column to multiply it by.
+    """
     if view.rows is None:
         return {}
-    columns: dict[str, list[Any]] = {"minute": numbers(view.minutes)}
+    columns: dict[str, Any] = {view.clock.unit or "time": arrays.times(view.minutes)}
     for name in ("measurement_type", "status"):
         texts = getattr(view.rows, name)
         if texts is not None:
-            columns[name.replace("_", " ")] = [text or MISSING for text in texts]
-    for name, title in (("nis", "NIS"), ("nis_dof", "dof"), ("nees", "NEES")):
-        values = view.column(name)
-        if values is not None:
-            columns[title] = numbers(values, log=True)
+            columns[name.replace("_", " ")] = _codes(texts, arrays)
+    for quantity in view.quantities():
+        per_dof, dof = view.per_dof(quantity.quantity)
+        if np.isfinite(per_dof).any():
+            values, divisor = arrays.values(per_dof, True), arrays.values(dof, False)
+            columns[quantity.quantity.upper()] = {"product": [values, divisor]}
+            columns[f"{quantity.quantity.upper()} dof"] = divisor
     return columns
+
+
+def _codes(texts: Any, arrays: PackedArrays) -> dict[str, Any]:
+    """Texts as codes and the list of their different values."""
+    names = list(dict.fromkeys(texts))
+    codes = {name: code for code, name in enumerate(names)}
+    column = arrays.values(np.array([float(codes[text]) for text in texts]), False)
+    return {"names": [name or MISSING for name in names], "codes": column}
+
+
+def quantity_verdicts(view: TrackView) -> str:
+    """The verdicts of NIS and NEES in a line."""
+    parts = [(q.quantity.upper(), verdict_label(q.verdict)) for q in view.quantities()]
+    if len(parts) == 2 and parts[0][1] == parts[1][1]:
+        same = parts[0][1]
+        return "NIS and NEES" if same == verdict_label(view.track.verdict) else f"both {same}"
+    return "; ".join(f"{quantity} {verdict}" for quantity, verdict in parts)

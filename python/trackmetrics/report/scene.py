@@ -43,6 +43,12 @@ class Points:
     hollow: bool = False
     size: float = 6.0
     name: str = ""
+    rows: NDArray[np.bool_] | None = None
+    """Which of the points are drawn; None for all. So groups of points share their arrays."""
+
+    def drawn(self) -> tuple[Floats, Floats]:
+        """The coordinates of the points that are drawn."""
+        return (self.x, self.y) if self.rows is None else (self.x[self.rows], self.y[self.rows])
 
 
 @dataclass(frozen=True)
@@ -54,6 +60,28 @@ class Band:
     high: Floats
     colour: str
     name: str = ""
+
+
+@dataclass(frozen=True)
+class StdBand:
+    """A band of ``factor`` times ``std`` on both sides of a line, on a linear axis."""
+
+    x: Floats
+    centre: Floats
+    std: Floats
+    factor: float
+    colour: str
+    name: str = ""
+
+    @property
+    def low(self) -> Floats:
+        """The lower side."""
+        return self.centre - self.factor * self.std
+
+    @property
+    def high(self) -> Floats:
+        """The upper side."""
+        return self.centre + self.factor * self.std
 
 
 @dataclass(frozen=True)
@@ -119,7 +147,7 @@ class Text:
     bold: bool = False
 
 
-Primitive = Line | Points | Band | ErrorBars | Rects | HLine | Event | Text
+Primitive = Line | Points | Band | StdBand | ErrorBars | Rects | HLine | Event | Text
 
 
 @dataclass(frozen=True)

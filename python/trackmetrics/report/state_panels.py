@@ -11,7 +11,6 @@ from trackmetrics.report.angles import angle_ticks, break_at_jumps, unwrap, wrap
 from trackmetrics.report.axes import Limits, drop_nan, linear_limits, log_limits, on_log_axis
 from trackmetrics.report.layout import Frame
 from trackmetrics.report.scene import (
-    Band,
     Bounds,
     Event,
     Floats,
@@ -21,6 +20,7 @@ from trackmetrics.report.scene import (
     Panel,
     Points,
     Primitive,
+    StdBand,
     Text,
 )
 from trackmetrics.report.track_view import TrackView
@@ -107,8 +107,12 @@ def _value_panel(view: TrackView, index: int, bounds: Bounds) -> Panel:
     std, measured = view.state_column("std", index), _measured(view, index, estimate)
     primitives: list[Primitive] = []
     if std is not None:
-        bx, by, bs = break_at_jumps(*drop_nan(x, estimate, std), period=state.period)
-        primitives.append(Band(bx, by - 2 * bs, by + 2 * bs, f"{view.style.colour}/0.18", "±2 σ"))
+        reference = _reference(std, _diagnosed(view, index))
+        relative = std / reference  # which the next panel shows, too
+        columns = break_at_jumps(*drop_nan(x, estimate, relative), period=state.period)
+        colour = f"{view.style.colour}/0.18"
+        bx, centre, half = columns
+        primitives.append(StdBand(bx, centre, half, 2 * reference, colour, "±2 σ"))
     if truth is not None:
         tx, ty = drop_nan(x, truth)
         primitives.append(Line(tx, ty, "ink", 1.3, "dash", "truth"))
@@ -120,8 +124,9 @@ def _value_panel(view: TrackView, index: int, bounds: Bounds) -> Panel:
 def _value_axes(
     view: TrackView, state: State, bounds: Bounds, primitives: tuple[Primitive, ...]
 ) -> Panel:
-    heights = [m.y for m in primitives if isinstance(m, (Line, Points))]
-    heights += [side for m in primitives if isinstance(m, Band) for side in (m.low, m.high)]
+    heights = [m.y for m in primitives if isinstance(m, Line)]
+    heights += [m.drawn()[1] for m in primitives if isinstance(m, Points)]
+    heights += [side for m in primitives if isinstance(m, StdBand) for side in (m.low, m.high)]
     limits, ticks = linear_limits(heights), None
     if state.period is not None:
         column = view.state_column("x", view.states.index(state))
@@ -147,15 +152,14 @@ def _measured(view: TrackView, index: int, estimate: Floats) -> list[Points]:
     value = np.where(hits, view.rows.z[:, :width], np.nan)
     seen = np.isfinite(value).any(axis=1)
     z = np.where(hits & np.isfinite(value), value, 0.0).sum(axis=1)
+    z = np.where(seen, z, np.nan)
     period = view.states[index].period
     if period is not None:
         z = wrap_near(z, np.where(np.isfinite(estimate), estimate, z), period)
     points = []
-    for kind, symbol, hollow, rows in view.by_measurement_type():
-        chosen = rows & seen
-        if chosen.any():
-            x, y = view.minutes[chosen], z[chosen]
-            points.append(Points(x, y, "ink", symbol, hollow, 4.5, f"measured, {kind}"))
+    for kind, symbol, hollow, rows in view.groups_of(z):
+        name = f"measured, {kind}"
+        points.append(Points(view.minutes, z, "ink", symbol, hollow, 4.5, name, rows))
     return points
 
 
@@ -244,11 +248,10 @@ def _beyond(view: TrackView, ratio: Floats) -> list[Primitive]:
 
 def _points(view: TrackView, values: Floats, size: float) -> list[Primitive]:
     primitives: list[Primitive] = []
-    for kind, symbol, hollow, rows in view.by_measurement_type():
-        chosen = rows & np.isfinite(values)
-        if chosen.any():
-            x, y = view.minutes[chosen], values[chosen]
-            primitives.append(Points(x, y, view.style.colour, symbol, hollow, size, kind))
+    colour = view.style.colour
+    for kind, symbol, hollow, rows in view.groups_of(values):
+        points = Points(view.minutes, values, colour, symbol, hollow, size, kind, rows)
+        primitives.append(points)
     return primitives
 
 

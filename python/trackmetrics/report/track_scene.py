@@ -9,8 +9,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmetrics import _distributions
+from trackmetrics._format import number
 from trackmetrics.diagnostics import QuantityVerdict
 from trackmetrics.report.axes import Limits, log_limits, on_log_axis
 from trackmetrics.report.layout import Frame
@@ -40,9 +42,10 @@ TITLE_HEIGHT, PANEL_GAP, BLOCK_GAP = 64.0, 42.0, 112.0
 COMPLETE_SIZE, INCOMPLETE_SIZE = 8.0, 4.5
 """Size of the symbols of updates with and without all components of their measurement."""
 
-TimelineRow = tuple[str, str, list[tuple[str, bool, float, Floats]]]
+Rows = NDArray[np.bool_]
+TimelineRow = tuple[str, str, list[tuple[str, bool, float, Rows]]]
 """A measurement type, what it observes, and for each group of updates: symbol, whether tentative,
-size and times."""
+size and mask of rows."""
 
 
 def track_scene(view: TrackView, titled: bool = True) -> Scene:
@@ -85,11 +88,11 @@ def _with_time_label(view: TrackView, panel: Panel) -> Panel:
 def _quantity_panel(view: TrackView, verdict: QuantityVerdict, bounds: Bounds) -> Panel:
     """NIS or NEES per degree of freedom with the 95 % interval of a consistent filter."""
     values, dof = view.per_dof(verdict.quantity)
-    low, high = _distributions.chi2_interval(dof, COVERAGE)
+    low, high = _interval(dof)
     edges = [edge for s in verdict.segments for edge in s.interval if np.isfinite(edge)]
     events = _events(view, verdict)
     names = max((event.row + 1 for event in events), default=0)
-    limits = log_limits([values, low / dof, high / dof, floats(edges)], names=names)
+    limits = log_limits([values, low, high, floats(edges)], names=names)
     primitives = [
         *_chi_square_band(view, dof, bounds.width),
         HLine(1.0, "muted/0.8"),
@@ -115,14 +118,20 @@ def _quantity_panel(view: TrackView, verdict: QuantityVerdict, bounds: Bounds) -
 def _chi_square_band(view: TrackView, dof: Floats, pixels: float) -> list[Primitive]:
     """The chi-square interval of each update: one band if all have the same dof, else bars."""
     known = np.isfinite(dof)
-    low, high = _distributions.chi2_interval(dof[known], COVERAGE)
-    low, high = low / dof[known], high / dof[known]
     if not known.any():
         return []
+    low, high = _interval(dof)
     if len(set(dof[known])) == 1:
-        return [HLine(float(low[0]), "band/0.22", top=float(high[0]))]
+        return [HLine(float(np.nanmin(low)), "band/0.22", top=float(np.nanmax(high)))]
     width = float(np.clip(0.5 * pixels / known.sum(), 1.5, 7.0))
-    return [ErrorBars(view.minutes[known], low, high, "band/0.32", width, "95 % interval")]
+    return [ErrorBars(view.minutes, low, high, "band/0.32", round(width, 1), "95 % interval")]
+
+
+def _interval(dof: Floats) -> tuple[Floats, Floats]:
+    """The chi-square interval of each update per degree of freedom; few of them differ."""
+    different, of_update = np.unique(dof, return_inverse=True)
+    low, high = _distributions.chi2_interval(different, COVERAGE)
+    return (low / different)[of_update], (high / different)[of_update]
 
 
 def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:
@@ -134,7 +143,7 @@ def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:
         right = view.clock.at(segment.stop_time) + pad
         low, high = segment.interval
         role = segment_role(segment.label)
-        name = f"scale {segment.scale:.3g} [{low:.3g}, {high:.3g}], {segment.label}"
+        name = f"scale {number(segment.scale)} [{number(low)}, {number(high)}], {segment.label}"
         sides, mean = floats([left, right]), floats([segment.scale] * 2)
         box = Rects(floats([left]), floats([right]), floats([low]), floats([high]), f"{role}/0.2")
         primitives += [box, Line(sides, mean, role, 2.4, name=name)]
@@ -145,15 +154,12 @@ def _segments(view: TrackView, verdict: QuantityVerdict) -> list[Primitive]:
 
 def _points(view: TrackView, values: Floats, limits: Limits) -> list[Primitive]:
     primitives: list[Primitive] = []
-    if not values.size:
-        return primitives
     shown = on_log_axis(values, limits)
-    for kind, symbol, hollow, rows in view.by_measurement_type():
-        rows = rows & np.isfinite(values)
-        if rows.any():
-            name = f"{kind}, tentative" if hollow else kind
-            x, y = view.minutes[rows], shown[rows]
-            primitives.append(Points(x, y, view.style.colour, symbol, hollow, 6.5, name))
+    colour = view.style.colour
+    for kind, symbol, hollow, rows in view.groups_of(values):
+        name = f"{kind}, tentative" if hollow else kind
+        points = Points(view.minutes, shown, colour, symbol, hollow, 6.5, name, rows)
+        primitives.append(points)
     return primitives
 
 
@@ -179,13 +185,15 @@ def _events(view: TrackView, verdict: QuantityVerdict) -> list[Event]:
         crowded = i + 1 < len(at) and at[i + 1][0] - minute < 0.16 * span
         left = minute > 0.16 * span and (crowded or minute > 0.8 * span)
         row = i if i and minute - at[i - 1][0] < 0.16 * span else 0
-        primitives.append(Event(minute, f"{name} {minute:.4g} min", role, row=row, left=left))
+        primitives.append(
+            Event(minute, f"{name} {number(minute, 4)} {view.clock.unit}", role, row=row, left=left)
+        )
     return primitives
 
 
 def _timeline_rows(view: TrackView) -> list[TimelineRow]:
     """Each measurement type with the states that it observes and the times of its updates."""
-    found: dict[str, list[tuple[str, bool, float, Floats]]] = {}
+    found: dict[str, list[tuple[str, bool, float, Rows]]] = {}
     incomplete = view.incomplete()
     for kind, symbol, hollow, rows in view.by_measurement_type():
         parts = found.setdefault(kind, [])
@@ -194,7 +202,7 @@ def _timeline_rows(view: TrackView) -> list[TimelineRow]:
             (INCOMPLETE_SIZE, rows & incomplete),
         ):
             if chosen.any():
-                parts.append((symbol, hollow, size, view.minutes[chosen]))
+                parts.append((symbol, hollow, size, chosen))
     observed = view.track.observed
     return [(kind, ", ".join(observed.get(kind, ())) or "", parts) for kind, parts in found.items()]
 
@@ -214,10 +222,12 @@ def _timeline_panel(
         label = f"{kind} observes {states}" if states else kind
         primitives.append(Text(start, y + 0.26, label, "muted"))
         primitives.append(HLine(y - 0.2, "grid"))
-        for symbol, hollow, size, x in parts:
-            level = np.full(len(x), y - 0.2)
+        level = np.full(len(view.minutes), y - 0.2)
+        for symbol, hollow, size, chosen in parts:
             name = f"{kind}, some components missing" if size == INCOMPLETE_SIZE else kind
-            primitives.append(Points(x, level, view.style.colour, symbol, hollow, size, name))
+            colour = view.style.colour
+            points = Points(view.minutes, level, colour, symbol, hollow, size, name, chosen)
+            primitives.append(points)
     return Panel(
         bounds,
         tuple(primitives),

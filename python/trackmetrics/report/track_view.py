@@ -1,7 +1,8 @@
 """One track prepared for drawing: its rows, states, time axis, colour and symbols."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,8 @@ class Clock:
     """How many units of time one minute has."""
     label: str = "minutes since start"
     """Label of the time axis."""
+    unit: str = "min"
+    """Unit of the times since the start."""
 
     def __call__(self, times: Any) -> Floats:
         """Minutes since the start."""
@@ -59,7 +62,7 @@ class TrackView:
     rows: Columns | None = None
     symbols: Mapping[str | None, str] | None = None
 
-    @property
+    @cached_property
     def minutes(self) -> Floats:
         """Times of the updates in minutes since the start."""
         return np.empty(0) if self.rows is None else self.clock(self.rows.time)
@@ -71,9 +74,9 @@ class TrackView:
         return self.span[0] - margin, self.span[1] + margin
 
     def quantities(self) -> list[QuantityVerdict]:
-        """The verdicts of NIS and, with truth, of NEES."""
-        nees = self.track.nees
-        return [self.track.nis] if nees is None else [self.track.nis, nees]
+        """The verdicts of NIS and NEES of which there are values; NIS if there are none."""
+        found = [q for q in (self.track.nis, self.track.nees) if q is not None and q.updates]
+        return found or [self.track.nis]
 
     def segments(self, quantity: str) -> tuple[Segment, ...]:
         """The segments of NIS or NEES."""
@@ -81,9 +84,17 @@ class TrackView:
 
     def per_dof(self, quantity: str) -> tuple[Floats, Floats]:
         """NIS or NEES of each update over its degrees of freedom, and these."""
+        return self._per_dof[quantity]
+
+    @cached_property
+    def _per_dof(self) -> dict[str, tuple[Floats, Floats]]:
+        return {quantity: self._divided(quantity) for quantity in ("nis", "nees")}
+
+    def _divided(self, quantity: str) -> tuple[Floats, Floats]:
         values = self.column(quantity)
         if values is None:
-            return np.empty(0), np.empty(0)
+            missing = np.full(len(self.minutes), np.nan)
+            return missing, missing
         own = self.column(f"{quantity}_dof")
         dof = np.full(len(values), np.nan) if own is None else own
         dof = np.where(np.isfinite(values), dof, np.nan)
@@ -91,29 +102,59 @@ class TrackView:
 
     def column(self, name: str) -> Floats | None:
         """A column of the log, None where it is absent or holds nothing."""
-        values = None if self.rows is None else getattr(self.rows, name)
-        return None if values is None or not np.isfinite(values).any() else values
+        if name not in self._columns:
+            values = None if self.rows is None else getattr(self.rows, name)
+            known = values is not None and bool(np.isfinite(values).any())
+            self._columns[name] = values if known else None
+        return self._columns[name]
 
     def state_column(self, name: str, state: int) -> Floats | None:
         """One state's column of the log, None where it is absent or holds nothing."""
-        values = self.column(name)
-        if values is None or not np.isfinite(values[:, state]).any():
-            return None
-        return floats(values[:, state])
+        key = f"{name} {state}"
+        if key not in self._columns:
+            values = self.column(name)
+            of_state = None if values is None else floats(values[:, state])
+            known = of_state is not None and bool(np.isfinite(of_state).any())
+            self._columns[key] = of_state if known else None
+        return self._columns[key]
 
-    def by_measurement_type(self) -> Iterator[tuple[str, str, bool, Any]]:
+    @cached_property
+    def _columns(self) -> dict[str, Floats | None]:
+        """The columns that were asked for."""
+        return {}
+
+    def by_measurement_type(self) -> list[tuple[str, str, bool, Any]]:
         """Groups of rows by type and status: name, symbol, whether tentative, mask of rows."""
+        return self._groups
+
+    def groups_of(self, values: Floats) -> list[tuple[str, str, bool, Any]]:
+        """As :meth:`by_measurement_type`, restricted to the rows in which ``values`` are finite."""
+        known = np.isfinite(values)
+        if known.all():
+            return self._groups
+        found = [(*group, rows & known) for *group, rows in self._groups]
+        return [(kind, symbol, hollow, rows) for kind, symbol, hollow, rows in found if rows.any()]
+
+    @cached_property
+    def _groups(self) -> list[tuple[str, str, bool, Any]]:
         if self.rows is None:
-            return
+            return []
         kinds, tentative = _strings(self.rows.measurement_type, len(self.rows)), self._tentative()
+        groups = []
         for kind, symbol in (self.symbols or {}).items():
+            of_kind = kinds == kind
             for hollow in (False, True):
-                chosen = (kinds == kind) & (tentative == hollow)
+                chosen = of_kind & (tentative == hollow)
                 if chosen.any():
-                    yield kind or "update", symbol, hollow, chosen
+                    groups.append((kind or "update", symbol, hollow, chosen))
+        return groups
 
     def incomplete(self) -> Any:
         """Which updates lack a component of their measurement."""
+        return self._incomplete
+
+    @cached_property
+    def _incomplete(self) -> Any:
         if self.rows is None or self.rows.innovation is None:
             return np.zeros(len(self.minutes), bool)
         return rows_missing_components(self.rows.innovation, self.rows.measurement_type)
@@ -150,7 +191,7 @@ def _clock(diagnosis: Diagnosis) -> Clock:
     moment = f", {timeline.start_utc}" if timeline.start_utc else ""
     if unit in _MINUTE:
         return Clock(origin, _MINUTE[unit], f"minutes since start{moment}")
-    return Clock(origin, 1.0, f"time since start ({unit})")
+    return Clock(origin, 1.0, f"time since start ({unit})", unit)
 
 
 def _symbols(log: EstimatorLog | None) -> dict[str | None, str]:

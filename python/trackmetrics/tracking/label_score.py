@@ -4,6 +4,7 @@ In each frame, truth and tracks are paired within a threshold; scores over ident
 ids of these pairs, misses and MOTP are those of :func:`trackmetrics.mot_metrics`.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -75,11 +76,12 @@ class BoxScores(Result):
     motp: float = field(
         metadata=_row("MOTP", "{:.2f} px", "mean distance of pairs within {threshold:g} px")
     )
-    """Mean distance of the pairs, in pixels; 0 is best."""
+    """Mean distance of the pairs, in pixels; 0 is best. NaN without a pair."""
     track_purity: float = field(
         metadata=_row("track purity", "{:.4f}", "pairs with the track's main target")
     )
-    """Fraction of the pairs that belong to the main target of their track; 1 is best."""
+    """Fraction of the pairs that belong to the main target of their track; 1 is best. NaN without a
+    pair."""
     track_fragmentation: int = field(
         metadata=_row("track fragmentation", "{}", "changes of track, per target")
     )
@@ -144,6 +146,7 @@ def score_boxes(
     worst = int(np.argmax(distances))
     frames = mot_metrics(x, y, threshold=threshold)
     labels = paired_labels(truth, tracks, zip(*indices, strict=True), threshold)
+    has_pairs = labels.shape[1] > 0  # the functions of pytcl call the undefined 0 and 1
     return BoxScores(
         threshold=threshold,
         cutoff=cutoff,
@@ -158,8 +161,8 @@ def score_boxes(
         ospa_worst_frame=first + worst,
         misses=frames.num_misses,
         false_alarms=frames.num_false_positives,
-        motp=frames.motp,
-        track_purity=track_purity(*labels[:2]),
+        motp=frames.motp if frames.num_misses < len(truth) else math.nan,
+        track_purity=track_purity(*labels[:2]) if has_pairs else math.nan,
         track_fragmentation=track_fragmentation(*labels),
         identity_switches=identity_switches(*labels),
     )

@@ -1,13 +1,14 @@
 """MOTChallenge files: a line for each box, ``frame,id,left,top,width,height[,confidence,...]``."""
 
+import io
 import os
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics._progress import watched
+from trackmetrics._tables import opening
+from trackmetrics._tables.polars_columns import polars
 
 _COLUMNS = ("frame", "id", "left", "top", "width", "height", "confidence")
 _NEEDED = 6
@@ -44,8 +45,17 @@ class Boxes:
         return self.boxes[:, :2] + self.boxes[:, 2:] / 2
 
     def counted(self) -> "Boxes":
-        """The boxes that count as truth: a confidence of at least 1, or none."""
+        """The boxes that count as truth: a confidence of at least 1, or none.
+
+        Raises ValueError where there are boxes and none of them counts.
+        """
         keep = ~(self.confidence < 1)
+        if len(keep) and not keep.any():
+            least, most = self.confidence.min(), self.confidence.max()
+            raise ValueError(
+                f"none of the {len(keep)} boxes counts as truth: column 7 (confidence) is below 1 "
+                f"in all of them (from {least:g} to {most:g})"
+            )
         return Boxes(self.frames[keep], self.ids[keep], self.boxes[keep], self.confidence[keep])
 
     def by_frame(self, first: int, last: int) -> list[NDArray[np.intp]]:
@@ -63,10 +73,9 @@ def read_mot_challenge(path: str | os.PathLike[str], *, progress: bool = False) 
     path : str or path
         A text file with a line for each box: frame, id, left, top, width, height, and optionally a
         confidence and more, separated by commas. Blank lines are passed over.
-
+        The file may be packed (gzip, xz, zip).
     progress : bool
-        Whether a bar on standard error shows how far it is, where it takes longer than a second
-        (needs the extra ``progress``).
+        Kept for callers of earlier releases: files are read whole, without a bar.
 
     Returns
     -------
@@ -99,32 +108,69 @@ def read_mot_challenge(path: str | os.PathLike[str], *, progress: bool = False) 
     >>> boxes.centres[0]
     array([12., 24.])
     """
-    rows: list[list[float]] = []
-    lines: dict[tuple[float, float], int] = {}
-    found = _text(path).splitlines()
-    seen = watched(found, "reading", len(found), " lines") if progress else found
-    for number, line in enumerate(seen, start=1):
-        if not line.strip():
-            continue
-        row = _row(f"{os.fspath(path)}:{number}", line)
-        first = lines.setdefault((row[0], row[1]), number)
-        if first != number:
-            raise ValueError(
-                f"{os.fspath(path)}:{number}: frame {row[0]:.0f} has id {row[1]:.0f} twice, "
-                f"first on line {first}"
-            )
-        rows.append(row)
-    table = np.array(rows).reshape(len(rows), len(_COLUMNS))
+    name = os.fspath(path)
+    content = opening.read(path, may_be_empty=True)
+    if content.kind != "text":
+        raise ValueError(f"{name} is a {content.kind} file, expected text")
+    table = _read_whole(content.data)
+    if table is None:
+        table = _read_by_line(name, content.data.decode())
     return Boxes(
         table[:, 0].astype(np.int64), table[:, 1].astype(np.int64), table[:, 2:6], table[:, 6]
     )
 
 
-def _text(path: str | os.PathLike[str]) -> str:
+def _read_whole(data: bytes) -> NDArray[np.float64] | None:
+    """The first seven columns by Polars; None where it is absent or something is wrong."""
+    pl = polars()
+    if pl is None or not data.strip():
+        return None
     try:
-        return Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"{os.fspath(path)} is not a text file") from None
+        frame = pl.read_csv(
+            io.BytesIO(data),
+            has_header=False,
+            infer_schema_length=0,
+            columns=list(range(min(len(_COLUMNS), data.partition(b"\n")[0].count(b",") + 1))),
+        )
+        cells = frame.select(pl.all().str.strip_chars().cast(pl.Float64))
+        table: NDArray[np.float64] = cells.to_numpy()
+    except pl.exceptions.PolarsError:
+        return None
+    if not _NEEDED <= table.shape[1] <= len(_COLUMNS):
+        return None
+    if table.shape[1] == _NEEDED:
+        table = np.column_stack([table, np.full(len(table), np.nan)])
+    elif not np.isfinite(table).all():
+        return None
+    whole = table[:, :2]
+    if not np.isfinite(table[:, :_NEEDED]).all() or (np.abs(whole) > 2**53).any():
+        return None
+    if (whole != np.trunc(whole)).any() or _has_duplicates(whole.astype(np.int64)):
+        return None
+    return table
+
+
+def _has_duplicates(keys: NDArray[np.int64]) -> bool:
+    order = np.lexsort(keys.T)
+    return bool((np.diff(keys[order], axis=0) == 0).all(axis=1).any())
+
+
+def _read_by_line(name: str, text: str) -> NDArray[np.float64]:
+    """The same line by line, with a message that names the first line that is wrong."""
+    rows: list[list[float]] = []
+    lines: dict[tuple[float, float], int] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip():
+            continue
+        row = _row(f"{name}:{number}", line)
+        first = lines.setdefault((row[0], row[1]), number)
+        if first != number:
+            raise ValueError(
+                f"{name}:{number}: frame {row[0]:.0f} has id {row[1]:.0f} twice, "
+                f"first on line {first}"
+            )
+        rows.append(row)
+    return np.array(rows).reshape(len(rows), len(_COLUMNS))
 
 
 def _row(where: str, line: str) -> list[float]:

@@ -2,8 +2,8 @@
 
 The three ships carry the support pattern of a published run of a vessel estimator ("Multi Object
 Tracking framework diagnostics": the times and types of its 63 updates, read from the exported
-plots): which sensor saw which ship, and when. Truth is drawn from the filter's own process model in steps
-of 10 s; the third ship turns while there is no report.
+plots): which sensor saw which ship, and when. Truth is drawn from the filter's own process model in
+steps of 10 s; the third ship turns while there is no report.
 """
 
 from collections.abc import Mapping, Sequence
@@ -136,7 +136,7 @@ PUBLISHED = replace(CONSISTENT, ais=Noise(600.0, 2.0, 3.0), position=Noise(600.0
 """Sensor noise as the published run's filter claims it."""
 
 
-_OLD_NOISE = {"consistent": "consistent", "published": "published"}
+_OLD_NOISE = {"honest": "consistent", "article": "published"}
 """Names until 0.1.0."""
 
 
@@ -149,7 +149,8 @@ def three_ships(seed: int = 0, noise: str = "consistent") -> Simulation:
         The same seed gives the same run.
     noise : str
         ``"consistent"``: the filter assumes the noise that there is. ``"published"``: it
-        assumes what the published filter did, and expects twice the true deviations of acceleration and turn.
+        assumes what the published filter did, and expects twice the true deviations of acceleration
+        and turn.
 
     Returns
     -------

@@ -51,7 +51,7 @@ class _Fleet:
     vessel: list[str | None] = field(default_factory=list)
 
     def grow(self, vessels: Iterable[str | None]) -> Integers:
-        """Adds space for new tracks; their indices. Doubling, so that the cost of growth stays linear."""
+        """Add tracks, return their indices; doubles the arrays, so that the cost stays linear."""
         first = len(self.vessel)
         self.vessel.extend(vessels)
         if len(self.vessel) > len(self.life):

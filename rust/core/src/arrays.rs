@@ -1,6 +1,7 @@
 //! Borrowed arrays of any number of axes, with the name that messages give them.
 
 use crate::error::{Error, Result};
+use crate::format::tuple;
 
 /// A C-ordered array of floats.
 #[derive(Debug, Clone, Copy)]
@@ -73,23 +74,9 @@ pub(crate) fn unravel(place: usize, shape: &[usize]) -> Vec<usize> {
     index
 }
 
-/// A shape as Python writes a tuple: `()`, `(3,)`, `(3, 2)`.
-pub(crate) fn tuple(shape: &[usize]) -> String {
-    let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
-    let comma = if shape.len() == 1 { "," } else { "" };
-    format!("({}{comma})", lengths.join(", "))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shapes_read_as_in_python() {
-        assert_eq!(tuple(&[]), "()");
-        assert_eq!(tuple(&[3]), "(3,)");
-        assert_eq!(tuple(&[3, 0]), "(3, 0)");
-    }
 
     #[test]
     fn places_unravel_last_axis_first() {

@@ -1,12 +1,11 @@
 //! Metrics and consistency diagnostics for target tracking and state estimation.
 //!
-//! The rooms, each importing only rooms above it in this list:
+//! The modules, each importing only modules above it in this list:
 //!
-//! | room | what it holds |
+//! | module | what it holds |
 //! | --- | --- |
-//! | [`error`], [`arrays`], [`points`], [`interrupt`], [`threads`], [`simd`] | errors with numbers in them; borrowed arrays and point sets; stopping a long kernel; the pool; the width chosen at run time |
-//! | [`lanes`] | many small records at once, one in each lane |
-//! | [`assignment`] | who is matched with whom, at the least total cost |
+//! | [`error`], [`arrays`], [`points`], [`interrupt`], [`threads`], [`simd`] | errors with numbers in them; borrowed arrays and point sets; stopping a long kernel; the pool; vector units |
+//! | [`assignment`] | which rows are matched with which columns, at the least total cost |
 //! | [`point_sets`] | distances between finite sets of points |
 //! | [`trajectories`] | distances between sets of trajectories |
 //! | [`tracking`] | scores over the identities of tracks |
@@ -27,8 +26,8 @@ pub mod assignment;
 pub mod consistency;
 pub mod diagnostics;
 pub mod error;
+mod format;
 pub mod interrupt;
-pub mod lanes;
 pub mod monte_carlo;
 pub mod point_sets;
 pub mod points;

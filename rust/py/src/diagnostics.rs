@@ -4,7 +4,9 @@ use crate::convert::{Floats, Integers};
 use crate::error::raise;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use trackmetrics_core::diagnostics::{attribution, best_split, cusum, inflation, segmentation};
+use trackmetrics_core::diagnostics::{
+    best_split, cusum, nees_autocorrelation, segmentation, shapley,
+};
 
 /// Gains and cuts.
 type Partitions<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<i64>>);
@@ -53,10 +55,10 @@ pub(crate) fn first_alarms<'py>(
     dof: Floats<'_, 1>,
     starts: Integers<'_>,
     scale: f64,
-    chance: f64,
+    alpha: f64,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let alarms = py
-        .detach(|| cusum::first_alarms(values.values, dof.values, starts.values, scale, chance))
+        .detach(|| cusum::first_alarms(values.values, dof.values, starts.values, scale, alpha))
         .map_err(raise)?;
     let pair =
         |alarm: &Option<(usize, usize)>| alarm.map_or([-1; 2], |(k, j)| [k as i64, j as i64]);
@@ -72,7 +74,7 @@ pub(crate) fn shapley_shares<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let shape = errors.shape;
     let shares = py
-        .detach(|| attribution::shapley_shares(errors.values, covariances.values, shape[1]))
+        .detach(|| shapley::shapley_shares(errors.values, covariances.values, shape[1]))
         .map_err(raise)?;
     PyArray1::from_vec(py, shares).reshape(shape)
 }
@@ -88,7 +90,7 @@ pub(crate) fn sampled_shapley_shares<'py>(
     let shape = errors.shape;
     let shares = py
         .detach(|| {
-            attribution::sampled_shapley_shares(
+            shapley::sampled_shapley_shares(
                 errors.values,
                 covariances.values,
                 shape[1],
@@ -111,7 +113,7 @@ pub(crate) fn nees_inflation<'py>(
     let dimension = covariances.shape[1];
     let tau = py
         .detach(|| {
-            inflation::nees_inflation(
+            nees_autocorrelation::nees_inflation(
                 transitions.values,
                 covariances.values,
                 dimension,

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use trackmetrics_core::monte_carlo::batch::Batch;
 use trackmetrics_core::monte_carlo::consistency::{self as kernel, Levels};
-use trackmetrics_core::monte_carlo::{histogram, tree};
+use trackmetrics_core::monte_carlo::{histogram, pairwise_tree};
 
 /// Sums over the canonical nodes of a batch of runs `(runs, columns)`.
 #[pyfunction]
@@ -16,7 +16,8 @@ pub(crate) fn run_sums<'py>(
     first_run: u64,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let [_, columns] = values.shape;
-    let sums = py.detach(|| tree::run_sums(values.values, columns, first_run)).map_err(raise)?;
+    let sums =
+        py.detach(|| pairwise_tree::run_sums(values.values, columns, first_run)).map_err(raise)?;
     let nodes = sums.len().checked_div(columns).unwrap_or(0);
     PyArray1::from_vec(py, sums).reshape([nodes, columns])
 }
@@ -39,7 +40,7 @@ type Sums<'py> = (Matrix<'py, f64>, Matrix<'py, f64>, Matrix<'py, i64>, Matrix<'
 /// a histogram.
 #[pyfunction]
 #[pyo3(signature = (truth, estimates, covariances, periods, first_run, decibels, thresholds))]
-#[allow(clippy::too_many_arguments)] // the twin takes the same
+#[allow(clippy::too_many_arguments)] // the reference takes the same
 pub(crate) fn consistency_sums<'py>(
     py: Python<'py>,
     truth: Floats<'_, 3>,

@@ -9,9 +9,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::cell::RefCell;
 use trackmetrics_core::interrupt::Interrupt;
-use trackmetrics_core::point_sets::frames::Workspace;
+use trackmetrics_core::point_sets::cost_source::Distances;
 use trackmetrics_core::point_sets::results::{Gospa, Pair};
-use trackmetrics_core::point_sets::sets::Distances;
+use trackmetrics_core::point_sets::workspace::Workspace;
 use trackmetrics_core::point_sets::{distances, gospa as gospa_kernel, ospa as ospa_kernel};
 use trackmetrics_core::{Array as CoreArray, Frames, Points, Result};
 

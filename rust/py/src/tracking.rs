@@ -3,7 +3,7 @@
 use crate::convert::{FrameSequence, Integers, number};
 use crate::error::raise;
 use pyo3::prelude::*;
-use trackmetrics_core::tracking::{frames, labels as kernel};
+use trackmetrics_core::tracking::{index_scores, labels as kernel};
 
 /// From this many coordinates on the work is worth letting go of the interpreter.
 const WORTH_DETACHING: usize = 400;
@@ -24,7 +24,7 @@ pub(crate) fn mot_metrics(
     let estimates = FrameSequence::read("estimates", estimates)?;
     let compute = || {
         let ground_truth = ground_truth.frames("ground_truth")?;
-        frames::mot_metrics(ground_truth, estimates.frames("estimates")?, threshold)
+        index_scores::mot_metrics(ground_truth, estimates.frames("estimates")?, threshold)
     };
     let detach = ground_truth.size().min(estimates.size()) >= WORTH_DETACHING;
     let scores = if detach { py.detach(compute) } else { compute() };

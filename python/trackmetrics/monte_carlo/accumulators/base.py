@@ -13,7 +13,7 @@ from trackmetrics.monte_carlo.run_tree import (
     MAX_RUNS,
     Floats,
     RunTree,
-    canonical,
+    dyadic_blocks,
     first_overlap,
 )
 
@@ -96,7 +96,7 @@ class Accumulator(ABC):
             "settings": self.settings,
             "shape": self.shape,
             "skipped": self._skipped,
-            "top": self._tree.top,
+            "top": self._tree.max_level,
         }
         return serialization.pack(self.kind, header, arrays)
 
@@ -135,7 +135,7 @@ class Accumulator(ABC):
             raise ValueError("nodes and rows have other types")
         given_rows, end = iter(rows), 0
         for start, level, has_row in nodes.reshape(-1, 3).tolist():
-            valid = 0 <= level <= self._tree.top and has_row in (0, 1)
+            valid = 0 <= level <= self._tree.max_level and has_row in (0, 1)
             if not valid or start < end or start % (1 << level) or start >= MAX_RUNS:
                 raise ValueError(f"node ({start}, {level}) is not one")
             end = start + (1 << level)
@@ -173,7 +173,7 @@ class Accumulator(ABC):
     def empty_copy(self) -> Self:
         """One that takes the same runs, and has none."""
         made = self._from_settings(self.settings)
-        made._tree.top = self._tree.top
+        made._tree.max_level = self._tree.max_level
         return made
 
     def moved_to(self, run: int) -> Self:
@@ -190,12 +190,14 @@ class Accumulator(ABC):
 
     def _cover(self, first_run: int, runs: int) -> None:
         """Says that these runs are in, without sums."""
-        for start, level in canonical(first_run, first_run + runs, self._tree.top):
+        for start, level in dyadic_blocks(first_run, first_run + runs, self._tree.max_level):
             self._tree.add(start, level, None)
 
-    def _absorb(self, first_run: int, runs: int, rows: Floats, counts: dict[str, Counts]) -> None:
-        """Takes in the rows of the canonical nodes of a batch of runs."""
-        nodes = canonical(first_run, first_run + runs, self._tree.top)
+    def _add_nodes(
+        self, first_run: int, runs: int, rows: Floats, counts: dict[str, Counts]
+    ) -> None:
+        """Takes in the rows of the dyadic blocks of a batch of runs."""
+        nodes = dyadic_blocks(first_run, first_run + runs, self._tree.max_level)
         for (start, level), row in zip(nodes, rows, strict=True):
             self._tree.add(start, level, row)
         self._add_counts(counts)
@@ -208,7 +210,7 @@ class Accumulator(ABC):
     def _require_new(self, first_run: int, runs: int) -> None:
         _check.count("first_run", first_run, 0)
         new = RunTree()
-        for start, level in canonical(first_run, first_run + runs):
+        for start, level in dyadic_blocks(first_run, first_run + runs):
             new.add(start, level, None)
         if overlap := first_overlap(self._tree, new):
             raise ValueError(f"the runs {overlap[0]}..{overlap[1]} are in already")
@@ -226,5 +228,5 @@ class Accumulator(ABC):
 
 def _difference(what: str, ours: dict[str, Any], theirs: dict[str, Any]) -> str:
     names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
-    words = (f"{name} is {theirs.get(name)}, expected {ours.get(name)}" for name in names)
-    return f"runs of other {what}: {'; '.join(words)}"
+    parts = (f"{name} is {theirs.get(name)}, expected {ours.get(name)}" for name in names)
+    return f"runs of other {what}: {'; '.join(parts)}"

@@ -8,10 +8,10 @@
 //!
 //! Neighbouring axes that are both averaged, or both kept, are one axis to the loops.
 
-use super::sums::{add_squares, short_rows, squares};
 use crate::arrays::{Array, unravel};
 use crate::error::{Error, Result};
 use crate::simd;
+use crate::simd::sums::{add_squares, short_rows, squares};
 use pulp::{Simd, WithSimd};
 
 /// The longest row that is summed with many rows side by side.

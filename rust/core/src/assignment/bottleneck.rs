@@ -19,8 +19,8 @@
 //!
 //! Cost: O(n^2 m) for n <= m, nearly always far less.
 
+use super::augmenting_paths::Matching;
 use super::dense::{PATIENCE, check_costs, transpose};
-use super::paths::Matching;
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use crate::simd::dispatch;

@@ -15,9 +15,9 @@
 //!
 //! Cost: O(n^2 m) for n <= m.
 
-use super::columns::each_vector;
-use super::paths::Matching;
-use super::start::start;
+use super::augmenting_paths::Matching;
+use super::column_search::each_vector;
+use super::reduction::start;
 use super::unique::{Moves, is_unique};
 use crate::error::{Error, Result};
 use crate::interrupt::Interrupt;

@@ -1,14 +1,14 @@
-//! Who is matched with whom, at the least total cost or at the smallest largest cost.
+//! Which points are matched, at the least total cost or at the smallest largest cost.
 
+pub(crate) mod alternating_cycle;
 pub mod auction;
+mod augmenting_paths;
 pub mod batch;
 pub mod bottleneck;
-mod columns;
+mod column_search;
 pub mod dense;
-pub(crate) mod exchange;
-mod paths;
+mod reduction;
 pub mod sparse;
-mod start;
 mod unique;
 
 /// The matched pairs of a matching that is given as the column of each row: rows in rising order

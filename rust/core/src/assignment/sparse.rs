@@ -15,7 +15,7 @@
 //!
 //! Cost: about linear in the number of pairs while rows have a few each.
 
-use crate::assignment::exchange::{Graph, TOLERANCE};
+use crate::assignment::alternating_cycle::{Graph, TOLERANCE};
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use std::cmp::Ordering;
@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The cheapest way to find room for `row`, and its length.
+    /// The cheapest way to find space for `row`, and its length.
     fn shortest_path(&mut self, row: usize, interrupt: &Interrupt<'_>) -> Result<(End, f64)> {
         self.epoch += 1;
         self.heap.clear();

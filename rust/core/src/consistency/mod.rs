@@ -1,5 +1,5 @@
 //! Quadratic forms of many small covariances.
 
-mod judge;
-pub(crate) mod lanes;
+pub(crate) mod batched_ldl;
+mod checked_ldl;
 pub mod quadratic_form;

@@ -15,11 +15,12 @@
 //! pivot is not positive, it is an error. No residuals give no forms; residuals of no dimension give
 //! zeros.
 
-use super::judge::{Factors, Judge, doubtful_pivot};
-use super::lanes::{Forms, Matrices};
-use crate::arrays::{Array, tuple};
+use super::batched_ldl::{Forms, Matrices};
+use super::checked_ldl::{Factors, Judge, doubtful_pivot};
+use crate::arrays::Array;
 use crate::error::{Error, Result};
-use crate::lanes::dispatch;
+use crate::format::tuple;
+use crate::simd::transpose::dispatch;
 use crate::threads;
 use nalgebra::{DMatrix, DVectorView};
 
@@ -307,5 +308,5 @@ pub fn mean_statistic(values: Array) -> Result<f64> {
             value: values.values()[at],
         });
     }
-    Ok(crate::accuracy::sum(values.values()) / values.values().len() as f64)
+    Ok(crate::simd::sums::sum(values.values()) / values.values().len() as f64)
 }

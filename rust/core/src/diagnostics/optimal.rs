@@ -3,15 +3,13 @@
 //! best(s, b) = max over a of best(s - 1, a) - M(a, b) ln(N(a, b) / M(a, b)),
 //!
 //! as in `segmentation`. The arrays over the beginnings a are filled up to a whole number of
-//! `LANES`, so that no loop has a rest. Only best is kept: where the last segment of best(s, b)
+//! `MAX_LANES`, so that no loop has a rest. Only best is kept: where the last segment of best(s, b)
 //! begins is asked for few b, and found by evaluating that row again. Ties go to the earlier cut.
 
 use super::likelihood::best;
-use super::segmentation::Partitions;
+use super::partitions::Partitions;
+use crate::simd::MAX_LANES;
 use pulp::{Simd, WithSimd};
-
-/// A multiple of the lanes of every vector unit.
-const LANES: usize = 8;
 
 /// Buffers that sequences share: one number for each beginning.
 #[derive(Default)]
@@ -27,7 +25,7 @@ pub(super) struct Work {
 
 impl Work {
     fn reset(&mut self, n: usize, most: usize) {
-        let size = (n + 1).next_multiple_of(LANES);
+        let size = (n + 1).next_multiple_of(MAX_LANES);
         self.best.resize_with(most, Vec::new);
         for best in &mut self.best {
             best.clear();
@@ -42,7 +40,7 @@ impl Work {
     /// The likelihood of the segments that end at `end`, from the sums of each.
     #[inline(always)]
     fn evaluate(&mut self, end: usize, least: usize) {
-        let size = end.next_multiple_of(LANES);
+        let size = end.next_multiple_of(MAX_LANES);
         let sums = self.sums[..size].iter().zip(&self.dofs[..size]);
         for (row, (sum, dof)) in self.row[..size].iter_mut().zip(sums) {
             *row = best(*sum, *dof);
@@ -53,7 +51,7 @@ impl Work {
     /// The largest of best(s, a) plus the row, over every beginning a before `end`.
     #[inline(always)]
     fn largest<S: Simd>(&self, simd: S, s: usize, end: usize) -> f64 {
-        let size = end.next_multiple_of(LANES);
+        let size = end.next_multiple_of(MAX_LANES);
         let (best, _) = S::as_simd_f64s(&self.best[s][..size]);
         let (row, _) = S::as_simd_f64s(&self.row[..size]);
         let lowest = simd.splat_f64s(f64::NEG_INFINITY);
@@ -138,7 +136,7 @@ impl Optimal<'_> {
 /// Adds a value to the sum of every beginning before `end`.
 #[inline(always)]
 fn grow<S: Simd>(simd: S, sums: &mut [f64], value: f64, end: usize) {
-    let size = end.next_multiple_of(LANES);
+    let size = end.next_multiple_of(MAX_LANES);
     let added = simd.splat_f64s(value);
     let (vectors, _) = S::as_mut_simd_f64s(&mut sums[..size]);
     for sums in vectors {

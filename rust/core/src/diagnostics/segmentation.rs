@@ -17,20 +17,12 @@
 
 use super::likelihood::best;
 use super::optimal::{Optimal, Work};
+pub use super::partitions::Partitions;
 use crate::error::{Error, Result};
 use crate::{simd, threads};
 
 /// The largest number of blocks between which cuts are sought.
 pub const FINE: usize = 1024;
-
-/// The best partitions of one sequence, by number of segments.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Partitions {
-    /// What each has over one segment; -infinity where the sequence is too short.
-    pub gains: Vec<f64>,
-    /// Of each, where its second and later segments begin.
-    pub cuts: Vec<Vec<usize>>,
-}
 
 /// The best partitions of many sequences, one behind the other, into 1 to `most` segments.
 ///

@@ -1,4 +1,4 @@
-//! What is kept of the errors of a batch of runs to judge whether a filter is honest.
+//! What is kept of the errors of a batch of runs to judge whether a filter is consistent.
 //!
 //! For the error e of each run and step, with its covariance P, the columns
 //!
@@ -6,13 +6,13 @@
 //! | --- | --- |
 //! | q = e' P^-1 e | ANEES (over the dimension) |
 //! | q^2 | spread of NEES |
-//! | b = 10 log10 q | inclination: its mean, less what an honest filter expects |
+//! | b = 10 log10 q | inclination: its mean, less what a consistent filter expects |
 //! | \|b - E b\| | noncredibility index |
 //! | e_j, each state | bias |
 //! | e_j^2 | RMSE |
 //! | e_j / sqrt(P_jj) | normalised mean error |
 //!
-//! are summed on the tree of run numbers ([`super::tree`]); q is counted under the thresholds of
+//! are summed on the tree of run numbers ([`super::pairwise_tree`]); q is counted under the thresholds of
 //! coverage and in the bins of its histogram; and each run gives its own sums over steps, from which
 //! settings are compared run by run.
 //!
@@ -20,22 +20,15 @@
 //! estimator's credibility: noncredibility index", doi:10.1109/ICIF.2006.301770.
 
 use super::batch::Batch;
-pub use super::columns::{FORM_COLUMNS, STATE_COLUMNS};
-use super::group::{Group, Output, runs_together};
+pub use super::elementwise::{FORM_COLUMNS, STATE_COLUMNS};
 use super::histogram::BINS;
-use super::tree::{Tree, pieces};
+use super::pairwise_tree::{Tree, pieces};
+use super::reduce::{reduce, runs_together};
+pub use super::run_block::Levels;
+use super::run_block::{Group, Output};
 use crate::error::Result;
 use crate::threads;
 use std::ops::Range;
-
-/// What is counted and centred, set by the number of dimensions.
-#[derive(Debug, Clone, Copy)]
-pub struct Levels<'a> {
-    /// The expectation of 10 log10 q for an honest filter.
-    pub decibels: f64,
-    /// Quantiles of q for an honest filter.
-    pub thresholds: &'a [f64],
-}
 
 /// What is kept of a batch.
 #[derive(Debug, Default)]
@@ -118,12 +111,10 @@ impl Part {
             of_runs.resize(from + runs * (2 + batch.dimension()), 0.0);
             let of_runs = &mut of_runs[from..];
             tree.push(run, runs.ilog2(), |row| {
-                group.reduce(Output {
-                    row,
-                    of_runs,
-                    counts: &mut *counts,
-                    histogram: &mut *histogram,
-                })
+                reduce(
+                    group,
+                    Output { row, of_runs, counts: &mut *counts, histogram: &mut *histogram },
+                )
             })?;
             run += runs as u64;
         }
@@ -134,7 +125,7 @@ impl Part {
 #[cfg(test)]
 mod tests {
     use super::super::histogram::bin;
-    use super::super::tree::run_sums;
+    use super::super::pairwise_tree::run_sums;
     use super::*;
 
     const LEVELS: Levels<'_> = Levels { decibels: 1.5, thresholds: &[1.0, 4.0] };

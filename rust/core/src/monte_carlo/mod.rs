@@ -1,10 +1,11 @@
 //! Reductions over many runs, the same bits however the runs are cut into batches.
 
 pub mod batch;
-mod columns;
 pub mod consistency;
-mod group;
+mod elementwise;
 pub mod histogram;
-mod large;
-mod tile;
-pub mod tree;
+pub mod pairwise_tree;
+mod reduce;
+mod reduce_large_dimension;
+mod run_block;
+mod step_block;

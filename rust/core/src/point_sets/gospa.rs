@@ -19,11 +19,11 @@
 //! Parts are p-th powers that add up to GOSPA^p; they exist for alpha = 2 and are NaN otherwise.
 //! Ties: see `pairs`.
 
+use super::assignment_order;
+use super::cost_source::{Distances, Euclidean, Sets};
 use super::cutoff::Cutoff;
-use super::frames::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, frames_per_piece};
-use super::pairs;
 use super::results::{Gospa, Pair};
-use super::sets::{Distances, Euclidean, Sets};
+use super::workspace::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, frames_per_piece};
 use crate::error::{Error, Result};
 use crate::interrupt::Interrupt;
 use crate::points::{Frames, Points};
@@ -157,7 +157,7 @@ fn of_frame<S: Simd>(
     interrupt: &Interrupt<'_>,
 ) -> Result<Gospa> {
     let cutoff = &setting.cutoff;
-    let localization = pairs::least_total(simd, sets, cutoff, work, pairs, interrupt)?;
+    let localization = assignment_order::least_total(simd, sets, cutoff, work, pairs, interrupt)?;
     let (m, n) = sets.sizes();
     let (missed_count, false_count) = (m - pairs.len(), n - pairs.len());
     let parts = Gospa {

@@ -17,11 +17,11 @@
 //!
 //! Cost: O(m n) where no two points want the same partner, O(m^2 n) at worst.
 
+use super::cost_source::{Distances, Euclidean, Sets};
 use super::cutoff::Cutoff;
-use super::frames::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, frames_per_piece};
 use super::results::{Ospa, Pair};
-use super::sets::{Distances, Euclidean, Sets};
-use super::{extreme, large, matching, pairs, tiny};
+use super::workspace::{FRAMES_BETWEEN_CHECKS, Workspace, check_sequences, frames_per_piece};
+use super::{assignment_order, gated_matching, scaled_ospa, sparse_matching, tiny};
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use crate::points::{Frames, Points};
@@ -82,7 +82,7 @@ pub fn ospa_assignment(
     let cutoff = &Cutoff::new(c, p)?;
     let (sets, mut pairs) = (Euclidean::new(x, y)?, Vec::new());
     if p == f64::INFINITY {
-        pairs::bottleneck(sets, cutoff, &mut pairs, interrupt)?;
+        assignment_order::bottleneck(sets, cutoff, &mut pairs, interrupt)?;
     } else {
         simd::dispatch(Assign { sets, cutoff, work, pairs: &mut pairs, interrupt })?;
     }
@@ -139,7 +139,14 @@ impl WithSimd for Assign<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        pairs::least_total(simd, self.sets, self.cutoff, self.work, self.pairs, self.interrupt)
+        assignment_order::least_total(
+            simd,
+            self.sets,
+            self.cutoff,
+            self.work,
+            self.pairs,
+            self.interrupt,
+        )
     }
 }
 
@@ -186,9 +193,9 @@ fn of_frame<S: Simd>(
         return Ok(Ospa { distance: cutoff.c(), localization: 0.0, cardinality: cutoff.c() });
     }
     if cutoff.p() == f64::INFINITY || !cutoff.has_square() {
-        return extreme::ospa(sets, cutoff, interrupt);
+        return scaled_ospa::ospa(sets, cutoff, interrupt);
     }
-    if n >= large::SMALLEST
+    if n >= sparse_matching::SMALLEST
         && let Some(result) = of_large_frame(sets, cutoff, interrupt)?
     {
         return Ok(result);
@@ -200,7 +207,7 @@ fn of_frame<S: Simd>(
     if is_exact && (m == n || missing_is_exact(cutoff)) {
         return Ok(result);
     }
-    extreme::ospa(sets, cutoff, interrupt)
+    scaled_ospa::ospa(sets, cutoff, interrupt)
 }
 
 /// The same by near pairs; `None` where the dense matching is the better way.
@@ -211,7 +218,7 @@ fn of_large_frame(
     interrupt: &Interrupt<'_>,
 ) -> Result<Option<Ospa>> {
     let (m, n) = sets.sizes();
-    let result = large::solve(sets, cutoff, interrupt, |large| {
+    let result = sparse_matching::solve(sets, cutoff, interrupt, |large| {
         let total = large.total();
         let result = from_total(total, m, n, cutoff);
         let is_zero = || total == 0.0 && large.pairs().all(|(i, j)| sets.distance(i, j) == 0.0);
@@ -219,7 +226,7 @@ fn of_large_frame(
         (is_exact && (m == n || missing_is_exact(cutoff))).then_some(result)
     })?;
     match result {
-        Some(None) => extreme::ospa(sets, cutoff, interrupt).map(Some),
+        Some(None) => scaled_ospa::ospa(sets, cutoff, interrupt).map(Some),
         found => Ok(found.flatten()),
     }
 }
@@ -230,7 +237,7 @@ pub(super) fn least_total<S: Simd>(
     simd: S,
     sets: impl Sets,
     cutoff: &Cutoff,
-    work: &mut matching::Workspace,
+    work: &mut gated_matching::Workspace,
     interrupt: &Interrupt<'_>,
 ) -> Result<f64> {
     if sets.sizes().1 <= tiny::LARGEST {

@@ -11,11 +11,8 @@
 
 use super::cutoff::{Cutoff, Power};
 use crate::points::Points;
+use crate::simd::MAX_LANES;
 use pulp::Simd;
-
-/// Rows are padded to a multiple of this many numbers: the widest vector, so that the layout does
-/// not depend on the machine.
-pub(super) const PADDING: usize = 8;
 
 /// The points of a set, axis by axis.
 #[derive(Debug, Default)]
@@ -40,7 +37,7 @@ impl Axes {
     /// Writes the points of a set.
     #[inline(always)]
     pub(super) fn lay_out(&mut self, points: Points) {
-        self.stride = points.len().next_multiple_of(PADDING);
+        self.stride = points.len().next_multiple_of(MAX_LANES);
         self.values.resize(points.dimension() * self.stride, 0.0);
         match points.dimension() {
             1 => self.lay_out_axes::<1>(points),
@@ -88,7 +85,7 @@ pub(crate) struct Nearest {
     pub(super) least: Vec<f64>,
     pub(super) column: Vec<u64>,
     pub(super) second: Vec<f64>,
-    /// The least by which the second least is dearer, of the rows with a column below the cutoff.
+    /// The least by which the second least is costlier, of the rows with a column below the cutoff.
     pub(super) gap: f64,
     rows: Axes,
     /// 0, 1, 2 and so on: a place is loaded sooner than it is counted.
@@ -96,10 +93,10 @@ pub(crate) struct Nearest {
 }
 
 impl Nearest {
-    /// Makes room for so many rows.
+    /// Reserves memory for so many rows.
     #[inline(always)]
     pub(super) fn start(&mut self, rows: usize) {
-        let padded = rows.next_multiple_of(PADDING);
+        let padded = rows.next_multiple_of(MAX_LANES);
         self.least.resize(padded, 0.0);
         self.column.resize(padded, 0);
         self.second.resize(padded, 0.0);
@@ -278,7 +275,7 @@ fn write_axes<S: Simd, const D: usize>(
 fn raised<S: Simd>(simd: S, cutoff: &Cutoff, squares: S::f64s) -> S::f64s {
     let power = cutoff.power();
     if !matches!(power, Power::One | Power::Two) {
-        let lanes = &mut [0.0; PADDING][..S::F64_LANES];
+        let lanes = &mut [0.0; MAX_LANES][..S::F64_LANES];
         simd.partial_store_f64s(lanes, squares);
         lanes.iter_mut().for_each(|square| *square = cutoff.cost_of_square(*square));
         return simd.partial_load_f64s(lanes);

@@ -1,13 +1,13 @@
 //! Whether the matching that was found is the only one of least cost: see
-//! [`exchange`](crate::assignment::exchange).
+//! [`exchange`](crate::assignment::alternating_cycle).
 //!
 //! Pairs at the cutoff or beyond do not count: they cost what staying alone costs, and are not
 //! pairs.
 
+use super::cost_source::Sets;
 use super::cutoff::Cutoff;
-use super::matching::{ALONE, Workspace};
-use super::sets::Sets;
-use crate::assignment::exchange::TOLERANCE;
+use super::gated_matching::{ALONE, Workspace};
+use crate::assignment::alternating_cycle::TOLERANCE;
 use crate::simd::{LANE, small_integer};
 use pulp::Simd;
 

@@ -1,5 +1,5 @@
 //! Scores over the identities of tracks.
 
-mod distances;
-pub mod frames;
+mod euclidean_matrix;
+pub mod index_scores;
 pub mod labels;
