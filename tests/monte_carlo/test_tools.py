@@ -173,14 +173,14 @@ def test_the_example_finds_the_true_process_noise(capsys):
     spec.loader.exec_module(example)
     result = example.main(runs=30)
     assert result.best().settings == {"q": 0.1}
-    assert "the honest filter has q = 0.1 (true: 0.1)" in capsys.readouterr().out
+    assert "the consistent filter has q = 0.1 (true: 0.1)" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"levels": 0.5}, "levels must be a sequence of numbers, got 0.5"),
-        ({"levels": ["a"]}, "levels must be a real number, got 'a'"),
+        ({"probabilities": 0.5}, "probabilities must be a sequence of numbers, got 0.5"),
+        ({"probabilities": ["a"]}, "probabilities must be a real number, got 'a'"),
         ({"angles": {0: "x"}}, r"angles\[0\] must be a real number, got 'x'"),
         ({"angles": {"a": 1.0}}, "angles must be a whole number, got 'a'"),
     ],

@@ -1,5 +1,9 @@
 """Scores over the identities of tracks."""
 
+from trackmetrics.tracking.clear_mot import CLEARMOT, clear_mot
+from trackmetrics.tracking.frames import FrameColumns, TrackFrames
+from trackmetrics.tracking.hota import HOTA, hota
+from trackmetrics.tracking.identity_scores import IdentityScores, identity_scores
 from trackmetrics.tracking.index_scores import (
     identity_switches,
     mot_metrics,
@@ -7,9 +11,20 @@ from trackmetrics.tracking.index_scores import (
     track_purity,
 )
 from trackmetrics.tracking.label_score import BoxScores, paired_labels, score_boxes
+from trackmetrics.tracking.protocols import PROTOCOLS, Protocol
 
 __all__ = [
+    "CLEARMOT",
+    "HOTA",
+    "PROTOCOLS",
     "BoxScores",
+    "FrameColumns",
+    "IdentityScores",
+    "Protocol",
+    "TrackFrames",
+    "clear_mot",
+    "hota",
+    "identity_scores",
     "identity_switches",
     "mot_metrics",
     "paired_labels",
