@@ -136,10 +136,6 @@ PUBLISHED = replace(CONSISTENT, ais=Noise(600.0, 2.0, 3.0), position=Noise(600.0
 """Sensor noise as the published run's filter claims it."""
 
 
-_OLD_NOISE = {"honest": "consistent", "article": "published"}
-"""Names until 0.1.0."""
-
-
 def three_ships(seed: int = 0, noise: str = "consistent") -> Simulation:
     """The three ships of the published run.
 
@@ -164,9 +160,10 @@ def three_ships(seed: int = 0, noise: str = "consistent") -> Simulation:
     >>> len(log), float(log["SS Northern Star0"].time[-1])
     (63, 7200.0)
     """
-    if noise in _OLD_NOISE:
-        _deprecated.warn(f"three_ships(noise={noise!r})", f"noise={_OLD_NOISE[noise]!r}")
-        noise = _OLD_NOISE[noise]
+    if noise in _deprecated.RENAMED_NOISE:
+        renamed = _deprecated.RENAMED_NOISE[noise]
+        _deprecated.warn(f"three_ships(noise={noise!r})", f"three_ships(noise={renamed!r})")
+        noise = renamed
     if noise not in ("consistent", "published"):
         raise ValueError(f"noise must be 'consistent' or 'published', got {noise!r}")
     share = 1.0 if noise == "consistent" else 0.25
