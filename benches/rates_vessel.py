@@ -17,9 +17,9 @@ from trackmetrics.vessel import (
     Reports,
     Settings,
     Tracker,
-    decimated,
     fleet,
     predictive_nis,
+    thin,
     three_ships,
 )
 
@@ -28,9 +28,9 @@ WANTED = {
     ("consistent", "SS Northern Star0", "onset 6780 s"): 195,
     ("consistent", "SS Iron Aurora1", "consistent"): 190,
     ("consistent", "MV Iron Falcon2", "startup_then_consistent"): 165,
-    ("article", "SS Northern Star0", "late_divergence"): 195,
-    ("article", "SS Iron Aurora1", "pessimistic"): 190,
-    ("article", "MV Iron Falcon2", "startup_then_pessimistic"): 184,
+    ("published", "SS Northern Star0", "late_divergence"): 195,
+    ("published", "SS Iron Aurora1", "pessimistic"): 190,
+    ("published", "MV Iron Falcon2", "startup_then_pessimistic"): 184,
 }
 
 
@@ -63,7 +63,7 @@ def rejections(interval: float, seconds: float, shares: tuple[float, ...], seeds
     for seed in range(seeds):
         run = fleet(50, duration=1800.0, interval=interval, shares=shares, seed=seed)
         reports = Reports.concatenate(list(run.reports.values()))
-        used = decimated(reports, seconds)
+        used = thin(reports, seconds)
         tracker = Tracker()
         tracker.add(reports.take(used))
         found += predictive_nis(tracker.log(), reports.take(~used), Settings()).values()
@@ -79,7 +79,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--save", action="store_true")
     options = parser.parse_args()
-    found = counts("consistent", options.seeds) + counts("article", options.seeds)
+    found = counts("consistent", options.seeds) + counts("published", options.seeds)
     lines = [
         f"# Verdicts of the three ships over {options.seeds} seeds\n",
         "Written by `benches/rates_vessel.py`; wanted of 200.\n",

@@ -9,7 +9,7 @@ import pytest
 import trackmetrics
 from trackmetrics import vessel
 from trackmetrics.cli import main
-from trackmetrics.vessel import read_ais, screen
+from trackmetrics.vessel import read_ais, screen_rows
 
 HEAD = "Time,MMSI,Latitude_degrees,Longitude_degrees,COG_degrees,SOG_knots\n"
 
@@ -90,7 +90,7 @@ def test_all_vessels_under_way_run_through(solent, tmp_path, capsys):
 
 def test_a_duplicate_is_the_same_in_every_column():
     rows = sailing(5)
-    recording = screen([*rows, dict(rows[2])])
+    recording = screen_rows([*rows, dict(rows[2])])
     assert reasons(recording) == [(5, "duplicate")]
     assert recording.set_aside[0].detail == "the same as row 2"
 
@@ -98,7 +98,7 @@ def test_a_duplicate_is_the_same_in_every_column():
 def test_a_jump_is_set_aside_and_the_vessel_goes_on():
     rows = sailing(20)
     rows[7]["lat"] += 0.3
-    recording = screen(rows)
+    recording = screen_rows(rows)
     assert reasons(recording) == [(7, "jump")]
     assert len(recording.reports) == 19
 
@@ -108,21 +108,21 @@ def test_a_jump_is_set_aside_and_the_vessel_goes_on():
 def test_a_flipped_bit_is_known_as_one(bit, name):
     rows = sailing(20)
     rows[7][name] += 2.0**bit / 600_000
-    recording = screen(rows)
+    recording = screen_rows(rows)
     assert reasons(recording) == [(7, "bit fault")]
 
 
 def test_a_bad_first_report_does_not_take_the_vessel_with_it():
     rows = sailing(20)
     rows[0]["lat"] += 0.3
-    assert reasons(screen(rows)) == [(0, "jump")]
+    assert reasons(screen_rows(rows)) == [(0, "jump")]
 
 
 def test_two_vessels_with_one_mmsi_are_kept_apart():
     rows = [
         r for pair in zip(sailing(20), sailing(20, start=5.0, lat=51.0), strict=True) for r in pair
     ]
-    recording = screen(rows)
+    recording = screen_rows(rows)
     assert recording.shared == ("235000001",)
     assert recording.set_aside == ()
     assert recording.reports.vessels == ("235000001", "235000001#2")
@@ -132,9 +132,9 @@ def test_two_vessels_with_one_mmsi_are_kept_apart():
 def test_a_stale_position_is_set_aside_only_under_way():
     rows = sailing(10)
     rows[4] |= {"lat": rows[3]["lat"], "lon": rows[3]["lon"]}
-    assert reasons(screen(rows)) == [(4, "repeated position")]
+    assert reasons(screen_rows(rows)) == [(4, "repeated position")]
     still = [row(10.0 * k, sog=0.1) for k in range(5)]
-    assert screen(still).set_aside == ()
+    assert screen_rows(still).set_aside == ()
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_a_stale_position_is_set_aside_only_under_way():
     [
         ({"time": "tomorrow"}, "unreadable", "time is 'tomorrow'"),
         ({"lat": "north"}, "unreadable", "lat is 'north'"),
-        ({"lon": ""}, "unreadable", "lon is ''"),
+        ({"lon": ""}, "no position", "lon is missing"),
         ({"sog": "fast"}, "unreadable", "sog is 'fast'"),
         ({"cog": "inf"}, "unreadable", "cog is 'inf'"),
         ({"vessel": " "}, "no identity", "it has no MMSI"),
@@ -153,7 +153,7 @@ def test_a_stale_position_is_set_aside_only_under_way():
 def test_rows_that_cannot_be_used(change, reason, detail):
     rows = sailing(30)
     rows[20] |= change
-    recording = screen(rows)
+    recording = screen_rows(rows)
     assert reasons(recording) == [(20, reason)]
     assert recording.set_aside[0].detail == detail
 
@@ -161,7 +161,7 @@ def test_rows_that_cannot_be_used(change, reason, detail):
 def test_speed_and_course_may_be_missing():
     rows = sailing(4)
     rows[1]["sog"], rows[2]["cog"], rows[3]["sog"] = "", None, 102.3
-    recording = screen(rows)
+    recording = screen_rows(rows)
     assert recording.set_aside == ()
     assert recording.reports.kinds == ("AIS", *["truncated AIS"] * 3)
 
@@ -169,7 +169,7 @@ def test_speed_and_course_may_be_missing():
 def test_rows_out_of_order_are_sorted_and_counted():
     rows = sailing(10)
     rows[3], rows[6] = rows[6], rows[3]
-    recording = screen(rows)
+    recording = screen_rows(rows)
     assert recording.out_of_order == 3
     assert (np.diff(recording.reports.time) > 0).all()
 
@@ -179,10 +179,10 @@ def test_rows_out_of_order_are_sorted_and_counted():
 
 def test_columns_of_any_name(tmp_path):
     file = tmp_path / "a.csv"
-    file.write_text("when;,ship,phi,lambda\n2016-01-12T13:00:00Z,7,50,1\n1452603610.5,7,50,1\n")
+    file.write_text("when,ship,phi,lambda\n2016-01-12T13:00:00Z,7,50,1\n1452603610.5,7,50,1\n")
     with pytest.raises(ValueError, match="no column for 'time': expected time or timestamp"):
         read_ais(file)
-    columns = {"time": "when;", "vessel": "ship", "lat": "phi", "lon": "Lambda"}
+    columns = {"time": "when", "vessel": "ship", "lat": "phi", "lon": "Lambda"}
     recording = read_ais(file, columns)
     assert np.diff(recording.reports.time).tolist() == [10.5]
     with pytest.raises(ValueError, match="columns: no column 'speed'; a report has time, vessel"):
@@ -192,7 +192,7 @@ def test_columns_of_any_name(tmp_path):
 def test_a_short_line_is_unreadable(tmp_path):
     file = tmp_path / "a.csv"
     file.write_text(HEAD + "2016-01-12 13:00:00,1,50,1,90,10\n2016-01-12 13:00:10,1,50\n\n")
-    assert reasons(read_ais(file)) == [(1, "unreadable")]
+    assert reasons(read_ais(file)) == [(1, "no position")]
 
 
 def test_a_file_without_a_usable_row(tmp_path, capsys):

@@ -11,12 +11,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from trackmetrics.cli import COMMANDS, main
+from trackmetrics.cli import main
+from trackmetrics.cli._commands import COMMANDS
 from trackmetrics.cli._renamed_options import OPTIONS, with_new_names
 from trackmetrics.cli._table import Column, Table, fitting, to_text
 from trackmetrics.cli._verdicts import COLUMNS, diagnosis_table, since
 from trackmetrics.diagnostics import Diagnosis, diagnose
 from trackmetrics.logs import EstimatorLog
+from trackmetrics.logs.formats import suffixes
 
 SWEEP = """
 import numpy as np
@@ -190,6 +192,14 @@ def test_help_has_examples_and_fits(name, capsys):
     assert "Examples:" in lines
     assert f"  trackmetrics {name} " in "\n".join(lines) or name == "demo"
     assert max(map(len, lines)) <= 100
+
+
+@pytest.mark.parametrize(("name", "written"), [("diagnose", False), ("vessel", True)])
+def test_help_names_every_format_of_logs(name, written, capsys):
+    assert main([name, "--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert suffixes(written=written) in text
+    assert "{" not in text
 
 
 def test_the_help_lists_commands_and_statuses(capsys):

@@ -74,3 +74,21 @@ def test_bad_input_is_one_line_and_status_2(tmp_path, capsys):
     assert message.startswith("trackmetrics diagnose: cut.jsonl, line 2: not a JSON record")
     assert main(["diagnose", str(path), "--rename", "nis"]) == 2
     assert "expected NAME=VALUE, got 'nis'" in capsys.readouterr().err
+
+
+def test_a_log_without_times_says_how_to_ask_for_row_numbers(tmp_path, capsys):
+    path = tmp_path / "log.csv"
+    path.write_text("nis,nis_dof\n" + "2,2\n" * 20)
+    assert main(["diagnose", str(path)]) == 2
+    assert "time='row'" in capsys.readouterr().err
+    assert main(["diagnose", str(path), "--time", "row"]) == 0
+    assert "consistent" in capsys.readouterr().out
+
+
+def test_the_options_of_reading_reach_the_log(tmp_path, capsys):
+    path = tmp_path / "log.csv"
+    rows = [f"01/02/2024 00:00:{k:02d},{k % 3 + 0.5},2" for k in range(30)]
+    path.write_text("time,nis,nis_dof\n" + "\n".join(rows) + "\n")
+    assert main(["diagnose", str(path)]) == 2
+    assert "date_order='dmy'" in capsys.readouterr().err
+    assert main(["diagnose", str(path), "--date-order", "dmy", "--format", "csv"]) == 0

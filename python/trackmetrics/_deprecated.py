@@ -21,12 +21,19 @@ RENAMED: dict[str, str] = {
     "trackmetrics.diagnostics.read_log": "trackmetrics.logs.read_log",
     "trackmetrics.io.Boxes": "trackmetrics.tracks.Boxes",
     "trackmetrics.io.read_mot_challenge": "trackmetrics.tracks.read_mot_challenge",
+    "trackmetrics.monte_carlo.Best": "trackmetrics.monte_carlo.BestSetting",
+    "trackmetrics.monte_carlo.FormStatistics": "trackmetrics.monte_carlo.ErrorStatistics",
     "trackmetrics.report.heat_figure": "trackmetrics.report.heatmap_figure",
     "trackmetrics.report.page": "trackmetrics.report.render_page",
     "trackmetrics.report.sweeps.heat_figure": "trackmetrics.report.heatmap_figure",
     "trackmetrics.report.sweeps.sweep_figure": "trackmetrics.report.sweep_figure",
+    "trackmetrics.vessel.decimated": "trackmetrics.vessel.thin",
+    "trackmetrics.vessel.screen": "trackmetrics.vessel.screen_rows",
 }
 """Old name: new name, both in full."""
+
+RENAMED_NOISE = {"honest": "consistent", "article": "published"}
+"""Old and new values of the argument ``noise`` of ``vessel.three_ships``."""
 
 
 def warn(old: str, new: str, stacklevel: int = 3) -> None:

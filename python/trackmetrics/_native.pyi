@@ -17,7 +17,7 @@ def first_alarms(
     dof: NDArray[np.float64],
     starts: NDArray[np.int64],
     scale: float,
-    chance: float,
+    alpha: float,
 ) -> NDArray[np.int64]: ...
 def best_split_gains(
     draws: NDArray[np.float64], dof: NDArray[np.float64], least: int

@@ -61,7 +61,7 @@ def best_split_gains(draws: Floats, dof: Floats, least: int) -> Floats:
 
 
 def first_alarms(
-    values: Floats, dof: Floats, starts: Integers, scale: float, chance: float
+    values: Floats, dof: Floats, starts: Integers, scale: float, alpha: float
 ) -> Integers:
     """Where a cumulative sum of log-likelihood ratios first passes its threshold, and began to.
 
@@ -71,7 +71,7 @@ def first_alarms(
     plain_ids(starts)
     _check_values(values, dof)
     _check_starts("values", starts, len(values))
-    for argument, value in (("scale", scale), ("chance", chance)):
+    for argument, value in (("scale", scale), ("alpha", alpha)):
         if not (value > 0 and np.isfinite(value)):
             raise messages.parameter(argument, "positive", value)
     rises = values * ((1 - 1 / scale) / 2) - dof * (np.log(scale) / 2)
@@ -79,7 +79,7 @@ def first_alarms(
     for alarm, (a, b) in zip(found, pairwise(starts), strict=True):
         sums = np.concatenate([[0.0], np.cumsum(rises[a:b])])
         lowest = np.minimum.accumulate(sums)
-        above = np.flatnonzero(sums - lowest > np.log(max(b - a, 1) / chance))
+        above = np.flatnonzero(sums - lowest > np.log(max(b - a, 1) / alpha))
         if len(above):
             k = above[0] - 1
             alarm[:] = k, np.flatnonzero(sums[: k + 1] == lowest[k])[-1]

@@ -39,9 +39,17 @@ class Times:
 
 
 def to_seconds(
-    values: Any, argument: str = "time", unit: str | None = None, date_order: str | None = None
+    values: Any,
+    argument: str = "time",
+    unit: str | None = None,
+    date_order: str | None = None,
+    *,
+    strict: bool = True,
 ) -> Times:
-    """Times of any form as seconds; ``unit`` insists on the unit of numbers."""
+    """Times of any form as seconds; ``unit`` insists on the unit of numbers.
+
+    Text that is no time is an error, or NaN unless ``strict``.
+    """
     if date_order not in (None, "dmy", "mdy"):
         raise ValueError(f"date_order must be 'dmy' or 'mdy', got {value(date_order)}")
     array = _as_array(argument, values)
@@ -49,7 +57,7 @@ def to_seconds(
         return Times(_from_datetimes(argument, array), EPOCH)
     if array.dtype.kind in "biuf":
         return _from_numbers(array, unit)
-    return _from_text(argument, array, date_order)
+    return _from_text(argument, array, date_order, strict)
 
 
 def _as_array(argument: str, values: Any) -> NDArray[Any]:
@@ -143,7 +151,7 @@ def _seconds(
     return np.where(valid, seconds, np.nan)
 
 
-def _from_text(argument: str, array: NDArray[Any], date_order: str | None) -> Times:
+def _from_text(argument: str, array: NDArray[Any], date_order: str | None, strict: bool) -> Times:
     if all(v is None or _is_number(v) for v in array[:1000]):
         try:
             numbers = np.array([np.nan if v is None else float(v) for v in array])
@@ -151,7 +159,8 @@ def _from_text(argument: str, array: NDArray[Any], date_order: str | None) -> Ti
             pass
         else:
             return _from_numbers(numbers, None)
-    first = next((v for v in array if v is not None), "")
+    dates = (v for v in array if _YEAR_FIRST.match(str(v)) or _YEAR_LAST.match(str(v)))
+    first = next(dates, "")
     year_last = _YEAR_LAST.match(str(first)) is not None
     groups = _groups(array, _YEAR_LAST if year_last else _YEAR_FIRST)
     a, b, c, hour, minute, second = (groups[:, k] for k in range(6))
@@ -163,7 +172,7 @@ def _from_text(argument: str, array: NDArray[Any], date_order: str | None) -> Ti
     clock = (np.nan_to_num(part) for part in (hour, minute, second))
     seconds = _seconds(np.nan_to_num(year), np.nan_to_num(month), np.nan_to_num(day), *clock)
     seconds = seconds - groups[:, 6]
-    if np.isnan(seconds).any():
+    if strict and np.isnan(seconds).any():
         row = int(np.argmax(np.isnan(seconds)))
         raise ValueError(f"{argument}[{row}] is no time: {value(array[row])}")
     return Times(seconds, EPOCH)

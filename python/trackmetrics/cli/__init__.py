@@ -9,9 +9,9 @@ Exit statuses: 0, done; 1, a check that was asked for failed; 2, bad input; 130,
 import sys
 from collections.abc import Sequence
 
-from trackmetrics.cli._commands import COMMANDS, EXTRAS, missing_library
+from trackmetrics.cli._commands import EXTRAS, missing_library
 
-__all__ = ["COMMANDS", "main"]
+__all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

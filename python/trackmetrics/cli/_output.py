@@ -27,6 +27,15 @@ class Command(click.Command):
         super().__init__(*args, **kwargs)
         self.examples = examples
 
+    def get_help(self, context: click.Context) -> str:
+        """The help, with the suffixes of logs from the list of their formats."""
+        parts: tuple[Any, ...] = (self, *self.params)
+        for described in parts:
+            text = getattr(described, "help", None) or ""
+            if "{read}" in text or "{written}" in text:
+                described.help = _with_suffixes(text)
+        return super().get_help(context)
+
     def format_epilog(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """Writes the examples as they are."""
         super().format_epilog(context, formatter)
@@ -35,6 +44,12 @@ class Command(click.Command):
             with formatter.section("Examples"):
                 for line in textwrap.dedent(self.examples).strip().splitlines():
                     formatter.write(f"  {line}\n")
+
+
+def _with_suffixes(text: str) -> str:
+    from trackmetrics.logs.formats import suffixes
+
+    return text.replace("{read}", suffixes()).replace("{written}", suffixes(written=True))
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from trackmetrics.cli._log_options import log_options, read_log_with
 from trackmetrics.cli._output import Command, Output, output_options, write_diagnosis_page
 
 
@@ -18,19 +19,7 @@ from trackmetrics.cli._output import Command, Output, output_options, write_diag
     """,
 )
 @click.argument("log", metavar="LOG")
-@click.option(
-    "--rename",
-    multiple=True,
-    metavar="NAME=COLUMN[,COLUMN...]",
-    help="The file's name of a column, or the columns of a vector; may be repeated.",
-)
-@click.option("--states", metavar="NAME,NAME,...", help="Names of the states.")
-@click.option(
-    "--angle",
-    multiple=True,
-    metavar="STATE=PERIOD",
-    help="A state that is an angle, and its period; may be repeated.",
-)
+@log_options
 @click.option("--html", metavar="FILE", help="Write a page with figures.")
 @click.option(
     "--fail-on-inconsistent",
@@ -39,45 +28,21 @@ from trackmetrics.cli._output import Command, Output, output_options, write_diag
 )
 @output_options
 def command(
-    log: str,
-    rename: tuple[str, ...],
-    states: str | None,
-    angle: tuple[str, ...],
-    html: str | None,
-    fail_on_inconsistent: bool,
-    output: Output,
+    log: str, html: str | None, fail_on_inconsistent: bool, output: Output, **reading: Any
 ) -> int:
     """Test whether the covariance of an estimator is consistent with its errors.
 
-    Reads the log of an estimator (.jsonl, .csv or .parquet; one row per update) and reports for
+    Reads the log of an estimator ({read}; one row per update) and reports for
     every track its verdict, the time from which it is inconsistent, and the weakest state. NIS
     with its degrees of freedom is enough; innovations, covariances and truth give more detail.
     """
     from trackmetrics.cli._verdicts import diagnosis_table
     from trackmetrics.diagnostics import diagnose
-    from trackmetrics.logs import read_log
 
-    found = read_log(
-        log,
-        columns={name: _names(value) for name, value in map(_pair, rename)} or None,
-        states=states.split(",") if states else None,
-        angles={name: float(period) for name, period in map(_pair, angle)} or None,
-        progress=True,
-    )
+    found = read_log_with(log, reading)
     output.detail(f"read {log}: {len(found)} updates of {len(found.tracks)} tracks")
     diagnosis = diagnose(found)
     if html:
         write_diagnosis_page(output, html, diagnosis, found)
     output.write(diagnosis_table(diagnosis), content=diagnosis, after=diagnosis.text)
     return 1 if fail_on_inconsistent and not diagnosis.consistent else 0
-
-
-def _pair(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise ValueError(f"expected NAME=VALUE, got {text!r}")
-    return name, value
-
-
-def _names(value: str) -> Any:
-    return value.split(",") if "," in value else value

@@ -70,7 +70,7 @@ def command(
     except SweepInterrupted as stop:
         output.warn(f"trackmetrics sweep: interrupted {stop}")
         result, status = stop.result, 130
-    if status and not any(tally.cells for tally in result.tallies):
+    if status and not any(state.accumulators for state in result.setting_states):
         return status
     best = _best(result, rank_by)
     output.write(
@@ -186,7 +186,7 @@ def _column(values: Any, name: str, rank: int | None) -> Column:
 
 
 def _remarks(result: Any, best: Any) -> str:
-    said = [] if best is None else best.words()
+    said = [] if best is None else best.describe()
     remarks = [mark + text for mark, text in zip(("* ", "  "), said, strict=False)]
     if result.failures:
         remarks.append(f"{len(result.failures)} runs failed; the first: {result.failures[0].error}")

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import click
 
 from trackmetrics._format import number
+from trackmetrics.cli._log_options import log_options, read_log_with
 from trackmetrics.cli._output import Command, Output, output_options
 from trackmetrics.cli._table import Column, Table
 from trackmetrics.diagnostics import Factor, NoiseEstimate
@@ -53,18 +55,20 @@ COLUMNS = (
 )
 @click.option("--level", type=float, default=0.95, help="Level of the intervals.")
 @click.option("--robust", is_flag=True, help="Set outliers aside.")
+@log_options
 @output_options
-def command(log: str, process: str, by: str, level: float, robust: bool, output: Output) -> int:
+def command(
+    log: str, process: str, by: str, level: float, robust: bool, output: Output, **reading: Any
+) -> int:
     """Estimate by what the process and measurement noises must be multiplied.
 
-    Reads the log of an estimator (.jsonl, .csv, .parquet or .ulg) with innovations, S, A, P_pred
+    Reads the log of an estimator ({read}) with innovations, S, A, P_pred
     and H or observed; prints a factor on each claimed covariance, its confidence interval and what
     to change. With innovations and S alone the answer is a direction.
     """
     from trackmetrics.diagnostics import estimate_noise
-    from trackmetrics.logs import read_log
 
-    found = read_log(log, progress=True)
+    found = read_log_with(log, reading)
     output.detail(f"read {log}: {len(found)} updates of {len(found.tracks)} tracks")
     estimate = estimate_noise(
         found,

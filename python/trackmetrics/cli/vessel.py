@@ -30,7 +30,7 @@ def _column_options(function: Any) -> Any:
 )
 @click.argument("recording", metavar="RECORDING")
 @click.option("--html", metavar="FILE", help="Write a page with figures.")
-@click.option("--log", metavar="FILE", help="Write the estimator's log (.jsonl, .csv, .parquet).")
+@click.option("--log", metavar="FILE", help="Write the estimator's log ({written}).")
 @click.option(
     "--thin",
     type=float,
@@ -75,7 +75,8 @@ def command(
 
     from trackmetrics.cli._verdicts import diagnosis_table, most_severe
     from trackmetrics.diagnostics import diagnose
-    from trackmetrics.vessel import Settings, Tracker, decimated, predictive_nis, read_ais
+    from trackmetrics.vessel import Settings, Tracker, predictive_nis, read_ais
+    from trackmetrics.vessel import thin as vessel_thin
 
     if thin is not None and not thin > 0:
         raise ValueError(f"--thin must be positive, got {thin:g}")
@@ -83,7 +84,7 @@ def command(
     _report_reading(output, found)
     reports = _under_way(found.reports, min_reports, min_speed)
     settings = Settings.harbour() if preset == "harbour" else Settings()
-    used = decimated(reports, thin) if thin else np.ones(len(reports), bool)
+    used = vessel_thin(reports, thin) if thin else np.ones(len(reports), bool)
     tracker = Tracker(settings)
     _track(tracker, reports.take(used))
     absolute = tracker.log()

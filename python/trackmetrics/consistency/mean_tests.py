@@ -239,7 +239,7 @@ def normalized_mean_error(
     Parameters
     ----------
     errors : array_like of shape (N, ..., d)
-        Errors of N independent runs.
+        Errors of N independent runs: errors = estimate - truth.
     covariances : array_like of shape (N, ..., d, d), or (d, d) for all
         Their claimed covariances.
     confidence : float

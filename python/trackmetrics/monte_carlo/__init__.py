@@ -1,27 +1,28 @@
 """Monte Carlo sweeps: many runs over a grid of settings, and accumulators that can be merged.
 
-However the runs are cut, in whatever order they come, on however many machines: the same seed gives
-the same bits.
+The same seed gives the same bits, however the runs are divided among workers and in whatever order
+they are done.
 """
 
+from trackmetrics import _deprecated
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.accumulators.labels import LabelAccumulator, LabelSummary
 from trackmetrics.monte_carlo.accumulators.point_sets import PointSetAccumulator, PointSetSummary
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.results import SweepResult
-from trackmetrics.monte_carlo.selection import Best
+from trackmetrics.monte_carlo.selection import BestSetting
 from trackmetrics.monte_carlo.setting_state import Failure
 from trackmetrics.monte_carlo.sweep import SweepInterrupted, sweep
 
 __all__ = [
     "Accumulator",
-    "Best",
+    "BestSetting",
     "ConsistencyAccumulator",
     "ConsistencySummary",
+    "ErrorStatistics",
     "Failure",
-    "FormStatistics",
     "LabelAccumulator",
     "LabelSummary",
     "PointSetAccumulator",
@@ -31,3 +32,5 @@ __all__ = [
     "SweepResult",
     "sweep",
 ]
+
+__getattr__ = _deprecated.module_getattr(__name__)

@@ -1,4 +1,4 @@
-"""A sweep on disk: one file a setting, replaced as a whole, so that every moment is a good one.
+"""A sweep on disk: one file a setting, written so that an interrupted write leaves the old file.
 
 A checkpoint is a folder: ``sweep.json`` says which sweep it is of, ``0000.tally``, ``0001.tally``
 and so on hold what is known of each setting. A file is written beside its place, forced to the
@@ -7,11 +7,12 @@ disk, and renamed over its predecessor.
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics._tables.errors import value
+from trackmetrics.monte_carlo.setting_state import SettingState
 
 _HEADER = "sweep.json"
 
@@ -31,32 +32,52 @@ class Checkpoint:
             if any(self.path.iterdir()):
                 raise ValueError(f"checkpoint {self.path} is a folder with other things in it")
             self._replace(header, json.dumps(identity, indent=1).encode())
-        self._require_same(json.loads(header.read_text()), identity)
+        try:
+            found = json.loads(header.read_text())
+        except (ValueError, RecursionError):
+            found = None
+        self._require_same(found, identity)
 
-    def _require_same(self, found: Mapping[str, Any], ours: Mapping[str, Any]) -> None:
-        ours = json.loads(json.dumps(ours))
+    def _require_same(self, found: Any, identity: Mapping[str, Any]) -> None:
+        ours: dict[str, Any] = json.loads(json.dumps(identity))
+        if not isinstance(found, dict):
+            raise ValueError(f"{self.path / _HEADER} is damaged; give another checkpoint=")
+        # The hash of the source, given as version, says: go on as if the source had not changed.
+        if found.get("source") is not None and ours["version"] == found["source"]:
+            ours |= {"version": found.get("version"), "source": found["source"]}
+        elif ours["version"] is not None or "source" not in found:  # 0.1.0 kept no source
+            ours["source"] = found.get("source")
         differing = [name for name in {**found, **ours} if found.get(name) != ours.get(name)]
+        if differing == ["source"]:
+            raise ValueError(
+                f"checkpoint {self.path} was made by another source of {ours['simulate']}: give "
+                f"another checkpoint= to begin anew, or version={found['source']!r} if the results "
+                "are the same"
+            )
         if differing:
-            words = (f"{n} was {found.get(n)!r}, is {ours.get(n)!r}" for n in differing)
-            raise ValueError(f"checkpoint {self.path} is of another sweep: {'; '.join(words)}")
+            parts = (f"{n} was {value(found.get(n))}, is {value(ours.get(n))}" for n in differing)
+            raise ValueError(
+                f"checkpoint {self.path} is of another sweep: {'; '.join(parts)}; give another "
+                "checkpoint= to begin anew"
+            )
 
-    def read(self, settings: int) -> list[Tally]:
+    def read(self, settings: int) -> list[SettingState]:
         """What is known of each setting."""
         return [self._read(self._place(k)) for k in range(settings)]
 
-    def _read(self, place: Path) -> Tally:
+    def _read(self, place: Path) -> SettingState:
         if not place.exists():
-            return Tally()
+            return SettingState()
         try:
-            return Tally.from_bytes(place.read_bytes())
+            return SettingState.from_bytes(place.read_bytes())
         except ValueError as error:
             raise ValueError(
                 f"{place}: {error}; without this file its runs are computed again"
             ) from None
 
-    def write(self, setting: int, tally: Tally) -> None:
+    def write(self, setting: int, state: SettingState) -> None:
         """Replaces what is known of a setting."""
-        self._replace(self._place(setting), tally.to_bytes())
+        self._replace(self._place(setting), state.to_bytes())
 
     def _place(self, setting: int) -> Path:
         return self.path / f"{setting:04d}.tally"
@@ -80,49 +101,3 @@ def _sync_folder(path: Path) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
-
-
-def described(value: Any) -> Any:
-    """A setting's value as JSON keeps it, distinct for distinct values."""
-    if isinstance(value, bool | int | float | str | type(None)):
-        return value if not isinstance(value, float) else repr(value)
-    if isinstance(value, list | tuple):
-        return [described(item) for item in value]
-    if isinstance(value, Mapping):
-        return {str(key): described(item) for key, item in value.items()}
-    return _fingerprint(value)
-
-
-def _fingerprint(value: Any) -> str:
-    import hashlib
-    import pickle
-
-    digest = hashlib.sha256(pickle.dumps(value, protocol=4)).hexdigest()[:16]
-    return f"{type(value).__name__} {digest}"
-
-
-def name_of(simulate: Any) -> str:
-    """``module:qualname``; a ``functools.partial`` adds what it binds."""
-    if hasattr(simulate, "func") and hasattr(simulate, "keywords"):
-        bound = described([simulate.args, simulate.keywords])
-        return f"{name_of(simulate.func)} with {json.dumps(bound)}"
-    named = simulate if hasattr(simulate, "__qualname__") else type(simulate)
-    return f"{named.__module__}:{named.__qualname__}"
-
-
-def identity(
-    simulate: Any, seed: Any, grid: Sequence[Mapping[str, Any]], version: Any, **others: Any
-) -> dict[str, Any]:
-    """What a checkpoint must agree in with the sweep that goes on from it."""
-    from trackmetrics._backend import backend
-    from trackmetrics._version import __version__
-
-    return {
-        "simulate": name_of(simulate),
-        "seed": described(seed),
-        "grid": [described(dict(settings)) for settings in grid],
-        "version": described(version),
-        "trackmetrics": __version__,
-        "backend": backend(),
-        **{name: described(value) for name, value in others.items()},
-    }

@@ -11,32 +11,38 @@ from dataclasses import dataclass
 from typing import Any
 
 from trackmetrics import _backend
-from trackmetrics.monte_carlo.jobs import Done, Job, work
+from trackmetrics.monte_carlo.jobs import Job, JobResult, work
+
+
+def _cannot_restart() -> bool:
+    return False
 
 
 @dataclass(frozen=True)
 class Workers:
     """Takes jobs."""
 
-    submit: Callable[[Job], "Future[Done]"]
+    submit: Callable[[Job], "Future[JobResult]"]
     in_flight: int
     """The most jobs that may be given and not yet taken back."""
     abandon: Callable[[], None]
     """Stops at once, whatever is lost."""
+    restart: Callable[[], bool] = _cannot_restart
+    """Starts new workers where one has died; whether that can be done."""
 
 
 @contextmanager
-def workers_of(
-    executor: Any, count: int | None, simulate: Callable[..., Any], threads: int
+def open_workers(
+    executor: Any, count: int | None, simulate: Callable[..., Any], threads: int, grid: Any
 ) -> Iterator[Workers]:
     """The workers that ``executor`` names or is; those that are made here end with the block."""
     if executor is None:
-        yield Workers(_now, 1, _nothing)
+        yield Workers(_run_inline, 1, _nothing)
     elif executor == "threads":
         with _threads(count or os.cpu_count() or 1, threads) as found:
             yield found
     elif executor == "processes":
-        with _processes(count or os.cpu_count() or 1, simulate) as found:
+        with _processes(count or os.cpu_count() or 1, simulate, grid) as found:
             yield found
     elif isinstance(executor, Executor):
         given = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
@@ -72,9 +78,9 @@ def _nothing() -> None:
     """What is not ours is not ended by us."""
 
 
-def _now(job: Job) -> "Future[Done]":
+def _run_inline(job: Job) -> "Future[JobResult]":
     """Works on a job in this thread."""
-    future: Future[Done] = Future()
+    future: Future[JobResult] = Future()
     try:
         future.set_result(work(job))
     except Exception as error:
@@ -101,9 +107,10 @@ def _threads(count: int, kernel_threads: int) -> Iterator[Workers]:
 
 
 @contextmanager
-def _processes(count: int, simulate: Callable[..., Any]) -> Iterator[Workers]:
+def _processes(count: int, simulate: Callable[..., Any], grid: Any) -> Iterator[Workers]:
     """Processes of this machine, which end with this one."""
-    _require_pickle(simulate)
+    _require_pickle("simulate", simulate)
+    _require_pickle("a value of grid", grid)
     pool = ProcessPoolExecutor(count, initializer=_begin)
     ended = False
 
@@ -115,8 +122,14 @@ def _processes(count: int, simulate: Callable[..., Any]) -> Iterator[Workers]:
         for process in processes:
             process.terminate()
 
+    def restart() -> bool:
+        nonlocal pool
+        pool.shutdown(wait=True, cancel_futures=True)
+        pool = ProcessPoolExecutor(count, initializer=_begin)
+        return True
+
     try:
-        yield Workers(lambda job: pool.submit(work, job), 2 * count, abandon)
+        yield Workers(lambda job: pool.submit(work, job), 2 * count, abandon, restart)
     finally:
         if not ended:
             pool.shutdown(wait=True, cancel_futures=True)
@@ -136,12 +149,12 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _require_pickle(simulate: Callable[..., Any]) -> None:
+def _require_pickle(name: str, value: Any) -> None:
     try:
-        pickle.dumps(simulate)
+        pickle.dumps(value)
     except Exception as error:
         raise TypeError(
-            f"simulate cannot be sent to other processes ({error}): define it at the top of a "
+            f"{name} cannot be sent to other processes ({error}): define it at the top of a "
             "module, or use executor='threads'"
         ) from None
 

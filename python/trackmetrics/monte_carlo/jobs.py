@@ -1,6 +1,8 @@
 """Some runs of one setting, wherever they are worked on: the part of a sweep that travels."""
 
 import os
+import pickle
+import signal
 import threading
 import time
 import traceback
@@ -16,17 +18,17 @@ from trackmetrics import _backend
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.setting_state import Tally
+from trackmetrics.monte_carlo.setting_state import RunMismatchError, SettingState
 
 ARRAYS = ("truth", "estimates", "covariances", "innovations", "innovation_covariances")
-_TOGETHER = 64
+BATCH_RUNS = 64
 """Runs whose arrays are kept until they are reduced together."""
-_BYTES = 8 << 20
+BATCH_BYTES = 8 << 20
 """Bytes of arrays after which they are reduced earlier."""
 _TOKEN = uuid.uuid4().hex
 
 
-def here() -> tuple[str, int]:
+def process_token() -> tuple[str, int]:
     """This process: a token of the import, and the number, since children inherit the token."""
     return _TOKEN, os.getpid()
 
@@ -47,15 +49,15 @@ class Job:
     consistency: Mapping[str, Any]
     backend: str
     threads: int
-    origin: tuple[str, int] = field(default_factory=here)
+    origin: tuple[str, int] = field(default_factory=process_token)
 
 
 @dataclass(frozen=True)
-class Done:
-    """What came of a job."""
+class JobResult:
+    """The result of a job."""
 
     setting: int
-    tally: Tally
+    state: SettingState
     seconds: float
 
 
@@ -64,7 +66,7 @@ def generator(seed: Any, run: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(run,)))
 
 
-def work(job: Job, stopped: threading.Event | None = None) -> Done:
+def work(job: Job, stopped: threading.Event | None = None) -> JobResult:
     """Simulates the runs of a job and reduces them; ends early, whole, where it is ``stopped``."""
     start = time.perf_counter()
     with _as_asked(job):
@@ -74,17 +76,36 @@ def work(job: Job, stopped: threading.Event | None = None) -> Done:
                 break
             reducer.simulate(run)
         reducer.reduce()
-    return Done(job.setting, reducer.tally, time.perf_counter() - start)
+    return JobResult(job.setting, reducer.state, time.perf_counter() - start)
+
+
+def _is_interrupted_by_user(job: Job) -> bool:
+    """Ctrl-C arrives in the main thread of the process of the sweep; elsewhere a run raised it."""
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    return in_main_thread and job.origin == process_token()
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """In a worker process: leaves Ctrl-C to the process of the sweep."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before if before is not None else signal.SIG_DFL)
 
 
 @contextmanager
 def _as_asked(job: Job) -> Iterator[None]:
     """In a process of its own, a job brings its backend and its number of kernel threads."""
-    if job.origin == here():
+    if job.origin == process_token():
         yield
         return
     before = _backend.threads()
-    with _backend.use_backend(job.backend):
+    with _backend.use_backend(job.backend), _without_interrupts():
         _backend.set_threads(job.threads)
         try:
             yield
@@ -96,7 +117,7 @@ class _Reducer:
     """Collects runs and reduces them together."""
 
     def __init__(self, job: Job) -> None:
-        self.job, self.tally = job, Tally()
+        self.job, self.state = job, SettingState()
         self.outputs: list[Mapping[str, Any]] = []
         self.first = job.first
         self.bytes = 0
@@ -104,8 +125,7 @@ class _Reducer:
     def simulate(self, run: int) -> None:
         """One run; its arrays wait to be reduced with those of its neighbours."""
         try:
-            output = self.job.simulate(generator(self.job.seed, run), **self.job.settings)
-            output = _checked(output)
+            output = _checked(self._simulated(run))
         except Exception as error:
             self.reduce()
             self._fail(run, error)
@@ -113,8 +133,19 @@ class _Reducer:
             return
         self.outputs.append(output)
         self.bytes += sum(x.nbytes for x in output.values() if isinstance(x, np.ndarray))
-        if len(self.outputs) == _TOGETHER or self.bytes > _BYTES:
+        if len(self.outputs) == BATCH_RUNS or self.bytes > BATCH_BYTES:
             self.reduce()
+
+    def _simulated(self, run: int) -> Any:
+        """What the run returns; one that wants to end the program fails instead."""
+        try:
+            return self.job.simulate(generator(self.job.seed, run), **self.job.settings)
+        except SystemExit as error:
+            raise RuntimeError(f"simulate called sys.exit({error.code!r})") from error
+        except KeyboardInterrupt as error:
+            if _is_interrupted_by_user(self.job):
+                raise
+            raise RuntimeError("simulate raised KeyboardInterrupt") from error
 
     def reduce(self) -> None:
         """Reduces what waits; where that fails, run by run, to find the one at fault."""
@@ -123,25 +154,47 @@ class _Reducer:
         if not outputs:
             return
         try:
-            self.tally.merge(_tally(self.job, outputs, first))
+            self.state.merge(_reduced(self.job, outputs, first))
         except Exception as error:
             if len(outputs) == 1:
                 self._fail(first, error)
                 return
-            failed = len(self.tally.failures)
             for i, output in enumerate(outputs):
                 self.outputs, self.first = [output], first + i
                 self.reduce()
-            if len(self.tally.failures) == failed:
-                raise
+            self.first = first + len(outputs)
 
     def _fail(self, run: int, error: Exception) -> None:
         if not self.job.collect:
-            given = ", ".join(f"{name}={value!r}" for name, value in self.job.settings.items())
-            error.add_note(f"in run {run} of seed {self.job.seed}{given and f' with {given}'}")
-            raise error
+            error.add_note(f"in {describe_run(self.job, run)}")
+            raise error if self.job.origin == process_token() else _travelling(error)
+        if isinstance(error, RunMismatchError):
+            self.state.fail(run, *mismatch(error))
+            return
         text = traceback.format_exception_only(error)[0].strip()
-        self.tally.fail(run, text, "".join(traceback.format_exception(error)))
+        self.state.fail(run, text, "".join(traceback.format_exception(error)))
+
+
+def describe_run(job: Job, run: int) -> str:
+    """The run of a job, for messages."""
+    given = ", ".join(f"{name}={value!r}" for name, value in job.settings.items())
+    return f"run {run} of seed {job.seed}{given and f' with {given}'}"
+
+
+def mismatch(error: RunMismatchError) -> tuple[str, str]:
+    """Error and traceback of such a run: the same in whatever job it was."""
+    return f"ValueError: {error}", ""
+
+
+def _travelling(error: Exception) -> Exception:
+    """The exception, or its text where it cannot be sent to another process."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        text = RuntimeError(traceback.format_exception_only(error)[0].strip())
+        text.add_note(error.__notes__[-1])
+        return text
+    return error
 
 
 def _checked(output: Any) -> dict[str, Any]:
@@ -170,33 +223,33 @@ def _score(name: str, value: Any) -> float:
     return float(value)
 
 
-def _tally(job: Job, outputs: list[Mapping[str, Any]], first: int) -> Tally:
+def _reduced(job: Job, outputs: list[Mapping[str, Any]], first: int) -> SettingState:
     """The runs from ``first`` on, reduced."""
     names = list(outputs[0])
     for i, output in enumerate(outputs):
         if list(output) != names:
             here, there = ", ".join(output), ", ".join(names)
             raise ValueError(f"run {first + i} gave {here}; run {first} gave {there}")
-    tally, stop = Tally(), first + len(outputs)
+    state, stop = SettingState(), first + len(outputs)
     scores: dict[str, Any] = {}
     batch = {name: _stacked(name, outputs, first) for name in names if name in ARRAYS}
     if batch:
         consistency = ConsistencyAccumulator(**job.consistency)
-        scores |= _built_in(consistency.absorb(batch, first), consistency.shape or {})
-        tally.take("consistency", consistency, first, stop)
+        scores |= _built_in(consistency.add_runs(batch, first), consistency.shape or {})
+        state.add("consistency", consistency, first, stop)
     for name in names:
         values = [output[name] for output in outputs]
         if isinstance(values[0], Accumulator):
             for run, accumulator in enumerate(values, first):
-                tally.take(name, accumulator.moved_to(run), run, run + 1)
+                state.add(name, accumulator.moved_to(run), run, run + 1)
         elif name not in ARRAYS:
             scores[name] = values
     if scores:
         cell = ScoreAccumulator(job.block_level)
         cell.update(scores, first)
-        tally.take("scores", cell, first, stop)
-    tally.cover(first, stop)
-    return tally
+        state.add("scores", cell, first, stop)
+    state.mark_done(first, stop)
+    return state
 
 
 def _stacked(name: str, outputs: list[Mapping[str, Any]], first: int) -> Any:

@@ -1,4 +1,4 @@
-"""What a sweep found."""
+"""The result of a sweep: statistics of every setting and step."""
 
 import os
 from collections.abc import Sequence
@@ -8,13 +8,14 @@ from typing import Any, Literal
 
 import numpy as np
 
+from trackmetrics import _deprecated
 from trackmetrics.monte_carlo import tables
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.run_tree import Floats
-from trackmetrics.monte_carlo.selection import Best, choose
-from trackmetrics.monte_carlo.setting_state import Failure, Tally
+from trackmetrics.monte_carlo.selection import BestSetting, select_best
+from trackmetrics.monte_carlo.setting_state import Failure, SettingState
 
 Rows = Literal["steps", "settings"]
 
@@ -24,59 +25,62 @@ class SweepResult:
     """Statistics of every setting and step of a sweep."""
 
     runs: int
-    """Runs of each setting that were asked for."""
+    """Requested runs of each setting."""
     seed: Any
-    """What decided the random numbers."""
+    """The seed of the random numbers."""
     grid: list[dict[str, Any]]
     """The settings."""
-    tallies: list[Tally]
+    setting_states: list[SettingState]
     """What was accumulated for each setting."""
 
+    tallies = _deprecated.attribute("setting_states")
+    done = _deprecated.attribute("completed_runs")
+
     @property
-    def done(self) -> list[int]:
+    def completed_runs(self) -> list[int]:
         """Runs of each setting that are done, failed ones too."""
-        return [len(tally) for tally in self.tallies]
+        return [len(state) for state in self.setting_states]
 
     @property
     def complete(self) -> bool:
         """Whether every run of every setting is done."""
-        return all(done == self.runs for done in self.done)
+        return all(done == self.runs for done in self.completed_runs)
 
     @property
     def failures(self) -> list[Failure]:
         """The runs that failed, by setting and run."""
         return [
-            Failure(run, settings, *tally.failures[run])
-            for settings, tally in zip(self.grid, self.tallies, strict=True)
-            for run in sorted(tally.failures)
+            Failure(run, settings, *state.failures[run])
+            for settings, state in zip(self.grid, self.setting_states, strict=True)
+            for run in sorted(state.failures)
         ]
 
     @cached_property
     def consistency(self) -> list[ConsistencySummary]:
         """The statistics of errors and innovations of each setting."""
-        cells = [tally.cells.get("consistency") for tally in self.tallies]
-        if not any(isinstance(cell, ConsistencyAccumulator) for cell in cells):
+        found = [state.accumulators.get("consistency") for state in self.setting_states]
+        if not any(isinstance(cell, ConsistencyAccumulator) for cell in found):
             raise ValueError("no run gave truth, estimates and covariances, or innovations")
         return [
             cell.result() if isinstance(cell, ConsistencyAccumulator) else
             ConsistencySummary(0, None, None)
-            for cell in cells
+            for cell in found
         ]  # fmt: skip
 
     @property
     def anees(self) -> Floats:
-        """Average NEES over runs by the dimension, ``(settings, steps)``; 1 is honest."""
+        """Average NEES over runs by the dimension, ``(settings, steps)``; 1 is consistent."""
         return self._stacked("states", "mean")
 
     @property
     def anees_interval(self) -> Floats:
-        """Where the ANEES of an honest filter lies, ``(2,)``; ``(settings, 2)`` where settings
+        """Acceptance interval of the ANEES, ``(2,)``; ``(settings, 2)`` where settings
         have different numbers of runs."""
         return _one_or_each(self._stacked("states", "interval"))
 
     @property
     def anis(self) -> Floats:
-        """Average NIS over runs by the dimension, ``(settings, steps)``; 1 is honest."""
+        """Average NIS over runs by the dimension, ``(settings, steps)``; 1 is consistent."""
         return self._stacked("innovations", "mean")
 
     @property
@@ -101,7 +105,7 @@ class SweepResult:
 
     def __getitem__(self, name: str) -> list[Any]:
         """For each setting the result of the accumulators that runs returned as ``name``."""
-        found = [tally.cells.get(name) for tally in self.tallies]
+        found = [state.accumulators.get(name) for state in self.setting_states]
         if not any(found):
             raise KeyError(name)
         return [None if cell is None else cell.result() for cell in found]
@@ -110,7 +114,7 @@ class SweepResult:
     def scores(self) -> dict[str, Floats]:
         """Mean over runs of every score, ``(settings,)``: ``nees`` and ``nis`` (means over steps of
         q / n), ``squared_error[j]`` of each state, and those that the runs returned."""
-        means = [cell.means() if cell else {} for cell in self._score_cells()]
+        means = [cell.means() if cell else {} for cell in self._score_accumulators()]
         names = list(dict.fromkeys(name for found in means for name in found))
         return {name: np.array([found.get(name, np.nan) for found in means]) for name in names}
 
@@ -121,15 +125,15 @@ class SweepResult:
         states: Sequence[int] | None = None,
         maximize: bool = False,
         confidence: float = 0.95,
-    ) -> Best:
-        """The best setting, and whether the next one is worse by more than chance.
+    ) -> BestSetting:
+        """The best setting, and whether the next one is significantly worse.
 
         Parameters
         ----------
         by : str
             ``"anees"`` or ``"anis"``: the least distance from 0 of ln(mean over runs and steps of
-            q / n), where an honest filter is. ``"rmse"``: the least root of the summed mean
-            squared errors of ``states``, which must have one unit. Or the name of a score.
+            q / n), which is 0 for a consistent filter. ``"rmse"``: the least root of the summed
+            mean squared errors of ``states``, which must have one unit. Or the name of a score.
         states : sequence of int
             For ``"rmse"``; by default all.
         maximize : bool
@@ -139,21 +143,23 @@ class SweepResult:
 
         Notes
         -----
-        Runs are paired, since all settings saw the same random numbers. The interval of the best of
-        many settings is a little too good, as that of every winner is.
+        Runs are paired, since all settings have the same random numbers. The value of the best of
+        many settings is biased towards better values, because it was selected by that value.
         """
-        cells = self._score_cells()
-        return choose(self.grid, cells, by, states, maximize, confidence)
+        found = self._score_accumulators()
+        return select_best(self.grid, found, by, states, maximize, confidence)
 
     def to_columns(self, rows: Rows = "steps") -> dict[str, list[Any]]:
         """A tidy table: one row for each setting and step, or for each setting, by columns."""
         if rows not in ("steps", "settings"):
             raise ValueError(f"rows must be 'steps' or 'settings', got {rows!r}")
         if rows == "steps":
-            return tables.of_steps(self.grid, self.consistency)
-        failed = [len(tally.failures) for tally in self.tallies]
+            return tables.step_table(self.grid, self.consistency)
+        failed = [len(state.failures) for state in self.setting_states]
         scores = list(self.scores)
-        return tables.of_settings(self.grid, self.done, failed, self._score_cells(), scores)
+        return tables.setting_table(
+            self.grid, self.completed_runs, failed, self._score_accumulators(), scores
+        )
 
     def to_pandas(self, rows: Rows = "steps") -> Any:
         """A pandas ``DataFrame`` of :meth:`to_columns`."""
@@ -172,7 +178,7 @@ class SweepResult:
         self.to_polars(rows).write_parquet(path)
 
     def to_dict(self) -> dict[str, Any]:
-        """What a page or a log needs: settings, scores and failures."""
+        """Settings, scores and failures, ready for JSON."""
         return {
             "runs": self.runs,
             "seed": self.seed,
@@ -183,21 +189,21 @@ class SweepResult:
 
     def to_bytes(self) -> bytes:
         """Everything that was accumulated: the same bytes for the same seed, grid and runs."""
-        return b"".join(tally.to_bytes() for tally in self.tallies)
+        return b"".join(state.to_bytes() for state in self.setting_states)
 
     def __repr__(self) -> str:
         failed = len(self.failures)
         parts = [f"settings={len(self.grid)}", f"runs={self.runs}"]
-        parts += [] if self.complete else [f"done={sum(self.done)}"]
+        parts += [] if self.complete else [f"done={sum(self.completed_runs)}"]
         parts += [f"failed={failed}"] if failed else []
         parts += [f"{name}={values.round(4).tolist()}" for name, values in self.scores.items()]
         return f"SweepResult({', '.join(parts)})"
 
-    def _score_cells(self) -> list[ScoreAccumulator | None]:
-        cells = [tally.cells.get("scores") for tally in self.tallies]
-        return [cell if isinstance(cell, ScoreAccumulator) else None for cell in cells]
+    def _score_accumulators(self) -> list[ScoreAccumulator | None]:
+        found = [state.accumulators.get("scores") for state in self.setting_states]
+        return [cell if isinstance(cell, ScoreAccumulator) else None for cell in found]
 
-    def _forms(self, channel: str) -> list[FormStatistics | None]:
+    def _forms(self, channel: str) -> list[ErrorStatistics | None]:
         forms = [getattr(result, channel) for result in self.consistency]
         if not any(forms):
             raise ValueError(f"no run gave {'truth' if channel == 'states' else channel}")

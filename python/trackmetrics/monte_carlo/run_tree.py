@@ -1,4 +1,4 @@
-"""Sums over runs that do not depend on how the runs were cut.
+"""Pairwise summation over runs on dyadic blocks: sums that do not depend on how runs were cut.
 
 A node (start, level) is the sum of the runs ``start .. start + 2**level``, ``start`` a multiple of
 ``2**level``, and always its left half plus its right half. Any set of runs is a unique list of
@@ -12,15 +12,20 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
+MAX_LEVEL = 62
+"""Of a node: run numbers fit into 64 bits."""
+MAX_RUNS = 1 << MAX_LEVEL
+"""More runs than any sweep has."""
+
 Floats = NDArray[np.float64]
 Row = Floats | None
 """The sums of a node; None where none of its runs gave anything."""
 
 
-def canonical(first: int, stop: int, top: int = 62) -> Iterator[tuple[int, int]]:
-    """The nodes (start, level) of the runs ``first .. stop``, none above level ``top``."""
+def dyadic_blocks(first: int, stop: int, max_level: int = MAX_LEVEL) -> Iterator[tuple[int, int]]:
+    """The nodes (start, level) of the runs ``first .. stop``, none above ``max_level``."""
     while first < stop:
-        level = min((stop - first).bit_length() - 1, top)
+        level = min((stop - first).bit_length() - 1, max_level)
         if first:
             level = min(level, (first & -first).bit_length() - 1)
         yield first, level
@@ -28,10 +33,10 @@ def canonical(first: int, stop: int, top: int = 62) -> Iterator[tuple[int, int]]
 
 
 class RunTree:
-    """The nodes of a set of runs, none above level ``top``, each with a row of sums."""
+    """The nodes of a set of runs, none above ``max_level``, each with a row of sums."""
 
-    def __init__(self, top: int = 62) -> None:
-        self.top = top
+    def __init__(self, max_level: int = MAX_LEVEL) -> None:
+        self.max_level = max_level
         self._nodes: dict[int, tuple[int, Row]] = {}
 
     def __iter__(self) -> Iterator[tuple[int, int, Row]]:
@@ -45,7 +50,7 @@ class RunTree:
 
     def add(self, start: int, level: int, row: Row) -> None:
         """Adds a node, and joins siblings as far as there are any."""
-        while level < self.top:
+        while level < self.max_level:
             sibling = self._nodes.get(start ^ (1 << level))
             if sibling is None or sibling[0] != level:
                 break
@@ -71,10 +76,10 @@ class RunTree:
                 found.append((start, stop))
         return found
 
-    def raise_top(self, top: int) -> None:
+    def raise_max_level(self, max_level: int) -> None:
         """Allows larger nodes."""
         nodes = list(self)
-        self.top, self._nodes = top, {}
+        self.max_level, self._nodes = max_level, {}
         for node in nodes:
             self.add(*node)
 

@@ -1,4 +1,4 @@
-"""The best setting of a sweep, by a stated criterion, and how sure one can be.
+"""The best setting of a sweep by a criterion, with confidence intervals.
 
 A criterion is a function g of means over runs. Its value at a setting has, to first order, the
 influence g'(mean) (x - mean) of each run (or block of runs) x; the differences of two settings'
@@ -6,20 +6,22 @@ influences, run by run, give the interval of the difference of their values.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics import _deprecated
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
 from trackmetrics.monte_carlo.run_tree import Floats
+from trackmetrics.results import Result
 
 Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Best:
+class BestSetting(Result):
     """The best setting by a criterion."""
 
     index: int
@@ -41,19 +43,17 @@ class Best:
     significant: bool
     """Whether that interval lies on one side of 0."""
 
-    def to_dict(self) -> dict[str, Any]:
-        """The fields."""
-        return asdict(self)
+    words = _deprecated.attribute("describe")
 
-    def words(self) -> list[str]:
-        """What it says, in one or two sentences."""
+    def describe(self) -> list[str]:
+        """The result in one or two sentences."""
         low, high = self.interval
         said = [f"best by {self.criterion}: {self.value:.4g} [{low:.4g}, {high:.4g}]"]
         if self.runner_up is not None:
             low, high = self.difference_interval
-            verdict = "more than" if self.significant else "no more than"
+            verdict = "significant" if self.significant else "not significant"
             worse = f"the next is worse by {self.difference:.4g} [{low:.4g}, {high:.4g}]"
-            said.append(f"{worse}, {verdict} chance")
+            said.append(f"{worse}, {verdict}")
         return said
 
 
@@ -110,34 +110,34 @@ def _require(names: Sequence[str], known: Sequence[str]) -> None:
             raise ValueError(f"there is no score {name!r}, there are {', '.join(known)}")
 
 
-def choose(
+def select_best(
     grid: Sequence[dict[str, Any]],
-    cells: Sequence[ScoreAccumulator | None],
+    scores: Sequence[ScoreAccumulator | None],
     by: str,
     states: Sequence[int] | None,
     maximize: bool,
     confidence: float,
-) -> Best:
+) -> BestSetting:
     """The best of the settings."""
-    known = next((cell.names for cell in cells if cell is not None), [])
+    known = next((cell.names for cell in scores if cell is not None), [])
     criterion = criterion_of(by, known, states, maximize)
-    values = [np.nan if cell is None else _value(cell, criterion) for cell in cells]
+    values = [np.nan if cell is None else _value(cell, criterion) for cell in scores]
     if np.isnan(values).all():
         raise ValueError(f"no setting has a {criterion.text}")
     order = np.argsort(criterion.sign * np.array(values), kind="stable")
     first = int(order[0])
-    best = cells[first]
+    best = scores[first]
     assert best is not None  # NaN is sorted last
     value, interval = estimate(best, criterion, confidence)
     second = int(order[1]) if len(order) > 1 and not np.isnan(values[order[1]]) else None
     difference, spread = np.nan, np.nan
     if second is not None:
-        other = cells[second]
+        other = scores[second]
         assert other is not None
         difference = values[second] - value
         spread = _paired_spread(best, other, criterion, confidence)
     low, high = difference - spread, difference + spread
-    return Best(
+    return BestSetting(
         index=first,
         settings=grid[first],
         criterion=criterion.text,

@@ -2,33 +2,31 @@
 
 import itertools
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
 from trackmetrics import _backend, _check
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
-from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator, block_level
-from trackmetrics.monte_carlo.checkpoint import Checkpoint, identity
-from trackmetrics.monte_carlo.executors import Workers, uninterrupted, workers_of
-from trackmetrics.monte_carlo.jobs import Done, Job
+from trackmetrics.monte_carlo.accumulators.scores import block_level_for
+from trackmetrics.monte_carlo.checkpoint import Checkpoint
+from trackmetrics.monte_carlo.driver import run_jobs
+from trackmetrics.monte_carlo.identity import identity
+from trackmetrics.monte_carlo.jobs import Job
 from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.results import SweepResult
-from trackmetrics.monte_carlo.setting_state import Tally
-
-_SECONDS = 0.5
-"""How long a chunk should take, where its size is not given."""
-_MOST = 1 << 16
+from trackmetrics.monte_carlo.setting_state import SettingState
+from trackmetrics.monte_carlo.sweep_state import SweepState
 
 
 class SweepInterrupted(KeyboardInterrupt):
     """Ctrl-C; ``result`` holds what was done until then."""
 
     def __init__(self, result: SweepResult) -> None:
-        super().__init__(f"after {sum(result.done)} of {result.runs * len(result.grid)} runs")
+        super().__init__(
+            f"after {sum(result.completed_runs)} of {result.runs * len(result.grid)} runs"
+        )
         self.result = result
 
 
@@ -49,11 +47,11 @@ def sweep(
     innovation_angles: Mapping[int, float] | None = None,
     worker_threads: int = 1,
 ) -> SweepResult:
-    """Runs a simulation many times for every setting of a grid, and keeps the statistics.
+    """Run a simulation many times for every setting of a grid, and accumulate the statistics.
 
     A run's random numbers are ``default_rng(SeedSequence(seed, spawn_key=(run,)))``, the same for
     every setting. So settings are compared on the same noise, and a result depends on the seed
-    alone: not on the executor, the chunks, their order, or on having been killed and gone on with.
+    alone, not on the executor, the chunks, their order, or interruptions.
 
     Parameters
     ----------
@@ -82,9 +80,13 @@ def sweep(
         A folder to keep finished chunks in. A sweep that finds its own goes on from there; with
         more ``runs`` than before it adds those.
     version : Any
-        Of ``simulate``: a checkpoint of another version is refused.
+        Of ``simulate``: a checkpoint of another version is refused. Without it the source of
+        ``simulate`` and of its module are compared.
     on_error : "raise" or "collect"
-        What a run that raises does: end the sweep, or be listed in ``failures``.
+        What a run that fails does: end the sweep, or be listed in ``failures``. A run fails that
+        raises (``sys.exit`` too), that returns other names or shapes than earlier runs of its
+        setting, or whose result cannot be sent back. A run whose worker process dies is done again
+        once, then it has failed.
     angles, innovation_angles : mapping of int to float
         As for :class:`ConsistencyAccumulator`.
     worker_threads : int
@@ -122,28 +124,35 @@ def sweep(
     [2.0, 1.0, 0.5]
     """
     settings = expand(grid)
-    counts = {"runs": runs, "chunk": chunk, "workers": workers, "worker_threads": worker_threads}
-    for name, count in counts.items():
-        if count is not None:
-            _check.count(name, count, 1)
-    _check_others(simulate, seed, checkpoint, on_error)
+    runs, worker_threads = _count("runs", runs), _count("worker_threads", worker_threads)
+    chunk = None if chunk is None else _count("chunk", chunk)
+    workers = None if workers is None else _count("workers", workers)
+    _check_others(simulate, seed, checkpoint, on_error, progress)
     options = {"angles": angles, "innovation_angles": innovation_angles}
     # Refuses what are no angles, before the first run.
     ConsistencyAccumulator(angles=angles, innovation_angles=innovation_angles)
     store = None
-    tallies = [Tally() for _ in settings]
+    setting_states = [SettingState() for _ in settings]
     if checkpoint is not None:
         kept = {name: dict(value) if value else None for name, value in options.items()}
         store = Checkpoint(checkpoint, identity(simulate, seed, settings, version, **kept))
-        tallies = store.read(len(settings))
+        setting_states = store.read(len(settings))
     template = Job(
-        simulate, 0, {}, 0, 0, seed, on_error == "collect", block_level(runs), options,
+        simulate, 0, {}, 0, 0, seed, on_error == "collect", block_level_for(runs), options,
         _backend.backend(), worker_threads,
     )  # fmt: skip
-    state = _State(runs, settings, tallies, store, template, chunk)
+    state = SweepState(runs, settings, setting_states, store, template, chunk)
     with Progress(progress, runs * len(settings), state.done()) as bar:
-        _drive(state, executor, workers, bar)
-    return state.result()
+        try:
+            run_jobs(state, executor, workers, bar)
+        except KeyboardInterrupt:
+            raise SweepInterrupted(_result(state)) from None
+    return _result(state)
+
+
+def _result(state: SweepState) -> SweepResult:
+    """What is known now."""
+    return SweepResult(state.runs, state.template.seed, state.settings, state.setting_states)
 
 
 def expand(
@@ -162,6 +171,8 @@ def expand(
     for name, values in grid.items():
         if isinstance(values, str) or not hasattr(values, "__iter__"):
             raise TypeError(f"grid[{name!r}] must be a sequence of values, got {values!r}")
+        if not isinstance(name, str):
+            raise TypeError(f"grid must name parameters by text, got {name!r}")
     columns = [[_plain(value) for value in values] for values in grid.values()]
     if not all(columns):
         empty = next(name for name, values in zip(grid, columns, strict=True) if not values)
@@ -174,130 +185,28 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and getattr(value, "ndim", 1) == 0 else value
 
 
-def _check_others(simulate: Any, seed: Any, checkpoint: Any, on_error: str) -> None:
+def _count(argument: str, value: Any) -> int:
+    """A whole number, at least 1; a boolean is none."""
+    if isinstance(value, bool | np.bool_):
+        raise TypeError(f"{argument} must be a whole number, at least 1, got {value!r}")
+    _check.count(argument, value, 1)
+    return int(value)
+
+
+def _check_others(simulate: Any, seed: Any, checkpoint: Any, on_error: str, progress: Any) -> None:
     if not callable(simulate):
         raise TypeError(f"simulate must be a function, got {type(simulate).__name__}")
     try:
         # None would be another seed in every run.
-        seeded = seed is not None and np.random.SeedSequence(seed) is not None
+        seeded = seed is not None and not isinstance(seed, bool | np.bool_) and np.size(seed) > 0
+        seeded = seeded and np.random.SeedSequence(seed) is not None
     except (TypeError, ValueError):
         seeded = False
     if not seeded:
         raise ValueError(f"seed must be a whole number, at least 0, or several, got {seed!r}")
     if checkpoint is not None and not isinstance(checkpoint, str | os.PathLike):
         raise TypeError(f"checkpoint must be a path, got {checkpoint!r}")
+    if not callable(progress) and not isinstance(progress, bool | np.bool_):
+        raise TypeError(f"progress must be True, False or a function, got {progress!r}")
     if on_error not in ("raise", "collect"):
         raise ValueError(f"on_error must be 'raise' or 'collect', got {on_error!r}")
-
-
-@dataclass
-class _State:
-    """What is done, and what is next."""
-
-    runs: int
-    settings: list[dict[str, Any]]
-    tallies: list[Tally]
-    store: Checkpoint | None
-    template: Job
-    chunk: int | None
-    seconds: float | None = None
-    """Of a run, lately."""
-    left: list[list[tuple[int, int]]] = field(init=False)
-    """For each setting the runs that no job has, as intervals."""
-
-    def __post_init__(self) -> None:
-        for tally in self.tallies:
-            if tally.covered and tally.covered[-1][1] > self.runs:
-                have = tally.covered[-1][1]
-                raise ValueError(f"the checkpoint has {have} runs, runs is {self.runs}")
-            scores = tally.cells.get("scores")
-            if isinstance(scores, ScoreAccumulator):
-                scores.coarsen(self.template.block_level)
-        self.left = [_complement(tally.covered, self.runs) for tally in self.tallies]
-
-    def done(self) -> int:
-        """Runs that are done, over all settings."""
-        return sum(len(tally) for tally in self.tallies)
-
-    def jobs(self, in_flight: int) -> Iterator[Job]:
-        """The jobs, all settings of the first runs first."""
-        while any(self.left):
-            for setting, left in enumerate(self.left):
-                if left:
-                    yield self._job(setting, self._size(in_flight))
-
-    def _size(self, in_flight: int) -> int:
-        """Runs of the next job; fewer towards the end, so that all workers end together."""
-        if self.chunk is not None:
-            return self.chunk
-        if self.seconds is None:
-            return 1
-        left = sum(stop - first for intervals in self.left for first, stop in intervals)
-        share = -(-left // in_flight)
-        return max(1, min(_MOST, share, int(_SECONDS / max(self.seconds, 1e-9))))
-
-    def _job(self, setting: int, size: int) -> Job:
-        first, stop = self.left[setting].pop(0)
-        if stop - first > size:
-            self.left[setting].insert(0, (first + size, stop))
-            stop = first + size
-        changes = {"setting": setting, "settings": self.settings[setting]}
-        return Job(**{**vars(self.template), **changes, "first": first, "stop": stop})
-
-    def take(self, done: Done) -> int:
-        """Adds what came of a job; how many runs that were."""
-        tally = self.tallies[done.setting]
-        tally.merge(done.tally)
-        if self.store:
-            self.store.write(done.setting, tally)
-        if len(done.tally):
-            self.seconds = done.seconds / len(done.tally)
-        return len(done.tally)
-
-    def result(self) -> SweepResult:
-        """What is known now."""
-        return SweepResult(self.runs, self.template.seed, self.settings, self.tallies)
-
-
-def _drive(state: _State, executor: Any, count: int | None, bar: Progress) -> None:
-    simulate, threads = state.template.simulate, state.template.threads
-    with workers_of(executor, count, simulate, threads) as found:
-        pending: set[Future[Done]] = set()
-        try:
-            for job in state.jobs(found.in_flight):
-                pending.add(found.submit(job))
-                while len(pending) >= found.in_flight:
-                    _collect(state, pending, bar)
-            while pending:
-                _collect(state, pending, bar)
-        except BaseException as error:
-            _stop(state, found, pending)
-            if isinstance(error, KeyboardInterrupt):
-                raise SweepInterrupted(state.result()) from None
-            raise
-
-
-def _collect(state: _State, pending: set["Future[Done]"], bar: Progress) -> None:
-    """Takes what has finished, and waits where nothing has."""
-    finished, _ = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
-    for future in finished:
-        with uninterrupted():
-            pending.discard(future)
-            bar.add(state.take(future.result()))
-
-
-def _stop(state: _State, found: Workers, pending: set["Future[Done]"]) -> None:
-    """Keeps what has finished, and gives up the rest."""
-    for future in pending:
-        future.cancel()
-    for future in pending:
-        if future.done() and not future.cancelled() and future.exception() is None:
-            state.take(future.result())
-    found.abandon()
-
-
-def _complement(covered: Sequence[tuple[int, int]], runs: int) -> list[tuple[int, int]]:
-    """The intervals of ``0 .. runs`` that are not covered."""
-    starts = [0, *(stop for _, stop in covered)]
-    stops = [*(first for first, _ in covered), runs]
-    return [(a, b) for a, b in zip(starts, stops, strict=True) if a < b]

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from trackmetrics.monte_carlo.accumulators.scores import ScoreAccumulator
-from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.selection import criterion_of, estimate
 
 Grid = Sequence[dict[str, Any]]
 Columns = dict[str, list[Any]]
 
 
-def of_steps(grid: Grid, summaries: Sequence[ConsistencySummary]) -> Columns:
+def step_table(grid: Grid, summaries: Sequence[ConsistencySummary]) -> Columns:
     """One row for each setting and step."""
     tables = []
     for settings, found in zip(grid, summaries, strict=True):
@@ -31,7 +31,7 @@ def of_steps(grid: Grid, summaries: Sequence[ConsistencySummary]) -> Columns:
     }
 
 
-def _columns(form: FormStatistics, mean: str, prefix: str) -> Columns:
+def _columns(form: ErrorStatistics, mean: str, prefix: str) -> Columns:
     interval = np.broadcast_to(form.interval, (len(form.runs), 2))
     columns: dict[str, Any] = {
         f"{prefix}runs": form.runs,
@@ -51,7 +51,7 @@ def _columns(form: FormStatistics, mean: str, prefix: str) -> Columns:
     return {name: np.asarray(column).tolist() for name, column in columns.items()}
 
 
-def of_settings(
+def setting_table(
     grid: Grid,
     done: Sequence[int],
     failed: Sequence[int],

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmetrics._format import number
-from trackmetrics.monte_carlo import Best, SweepResult
+from trackmetrics.monte_carlo import BestSetting, SweepResult
 from trackmetrics.report.draw import draw
 from trackmetrics.report.heatmap_scene import heatmap_scene
 from trackmetrics.report.scene import Scene
@@ -23,7 +23,7 @@ def write_sweep_page(
     result: SweepResult,
     *,
     title: str = "Monte Carlo sweep",
-    best: Best | None = None,
+    best: BestSetting | None = None,
 ) -> None:
     """Write :func:`render_sweep_page` to a file."""
     html = render_sweep_page(result, title=title, best=best)
@@ -31,7 +31,7 @@ def write_sweep_page(
 
 
 def render_sweep_page(
-    result: SweepResult, *, title: str = "Monte Carlo sweep", best: Best | None = None
+    result: SweepResult, *, title: str = "Monte Carlo sweep", best: BestSetting | None = None
 ) -> str:
     """The figures and the table of a sweep as one HTML page that needs no network.
 
@@ -81,8 +81,8 @@ def _summary(result: SweepResult) -> str:
     return f"{text}; {failed} runs failed" if failed else text
 
 
-def _description(best: Best) -> dict[str, str]:
-    return {"name": label(best.settings), "description": "; ".join(best.words())}
+def _description(best: BestSetting) -> dict[str, str]:
+    return {"name": label(best.settings), "description": "; ".join(best.describe())}
 
 
 def _variables(theme: Theme) -> str:

@@ -6,9 +6,11 @@
 ('MV Iron Falcon2', 'SS Iron Aurora1', 'SS Northern Star0')
 """
 
-from trackmetrics.vessel.ais import Recording, SetAside, decimated, read_ais, screen
+from trackmetrics import _deprecated
+from trackmetrics.vessel.ais import read_ais
 from trackmetrics.vessel.holdout import HeldOut, predictive_nis
-from trackmetrics.vessel.reports import Reports
+from trackmetrics.vessel.reports import Reports, thin
+from trackmetrics.vessel.screening import Recording, SetAside, screen_rows
 from trackmetrics.vessel.settings import KINDS, STATES, Noise, Settings
 from trackmetrics.vessel.simulation import (
     THREE_SHIPS,
@@ -36,11 +38,13 @@ __all__ = [
     "Tracker",
     "Turn",
     "VesselTrack",
-    "decimated",
     "fleet",
     "predictive_nis",
     "read_ais",
-    "screen",
+    "screen_rows",
     "simulate",
+    "thin",
     "three_ships",
 ]
+
+__getattr__ = _deprecated.module_getattr(__name__)

@@ -1,21 +1,27 @@
 """NMEA sentences of AIS as rows, through ``pyais`` (the extra ``ais``).
 
-Position reports of class A (messages 1, 2, 3) and B (18, 19) become rows; other messages are no
-reports and pass. A sentence that cannot be decoded becomes a row without a position, so that it is
-counted with the unreadable ones. The time is that of the tag block (``\\c:UNIX``) or of the
-number before the sentence; a message in several sentences has the time of its first.
+Position reports of class A (messages 1, 2, 3), class B (18, 19), aircraft (9) and long range (27)
+become rows, and those of base stations and aids to navigation, which are set aside; other messages
+are no reports and pass. A sentence that cannot be decoded becomes a row without a position, so that
+it is counted with the unreadable ones. The time is that of the tag block (``\\c:UNIX``) or of the
+number before or behind the sentence; a message in several sentences has the time of its first.
 """
 
 import re
-from pathlib import Path
 from typing import Any
 
-_LINE = re.compile(r"^\s*(?:\\(?P<tag>[^\\]*)\\|(?P<time>\d+(?:\.\d+)?)[,;\s]+)?(?P<rest>!.*)$")
-_TAG_TIME = re.compile(r"(?:^|,)c:(\d+(?:\.\d+)?)")
-_POSITIONS = (1, 2, 3, 18, 19)
+_LINE = re.compile(
+    r"^\s*(?P<tags>(?:\\[^\\]*\\)*)\s*(?:(?P<before>\d+(?:\.\d+)?)[,;\s]+)?"
+    r"(?P<sentence>[!$][^*]*\*[0-9A-Fa-f]{2})(?:[,;\s]+(?P<behind>\d+(?:\.\d+)?))?"
+)
+_TAG_TIME = re.compile(r"(?:^|[,\\])c:(\d+(?:\.\d+)?)")
+_POSITIONS = (1, 2, 3, 4, 9, 11, 18, 19, 21, 27)
+"""Messages with a position; base stations (4, 11) and aids to navigation (21) are set aside."""
+_NO_SPEED_27 = 63
+"""What message 27 sends for "speed not available"."""
 
 
-def read_sentences(path: Path) -> list[dict[str, Any]]:
+def read_sentences(text: str) -> list[dict[str, Any]]:
     """A row for every position report and for every sentence that is broken."""
     try:
         import pyais
@@ -24,7 +30,7 @@ def read_sentences(path: Path) -> list[dict[str, Any]]:
         raise ImportError("NMEA needs pyais: pip install 'trackmetrics[ais]'") from error
     rows: list[dict[str, Any]] = []
     waiting: dict[tuple[str, str], tuple[str, list[str]]] = {}
-    for line in path.read_text(encoding="ascii", errors="replace").splitlines():
+    for line in text.splitlines():
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         time, sentence = _cut(line)
@@ -48,8 +54,9 @@ def _row(time: str, message: dict[str, Any]) -> dict[str, Any]:
         "vessel": str(message["mmsi"]),
         "lat": message["lat"],
         "lon": message["lon"],
-        "sog": message["speed"],
-        "cog": message["course"],
+        "sog": _speed(message),
+        "cog": message.get("course"),
+        "type": int(message["msg_type"]),
     }
 
 
@@ -58,8 +65,15 @@ def _cut(line: str) -> tuple[str, str]:
     found = _LINE.match(line)
     if not found:
         return "", line.strip()
-    tagged = _TAG_TIME.search(found["tag"] or "")
-    return (tagged[1] if tagged else found["time"] or ""), found["rest"].strip()
+    tagged = _TAG_TIME.search(found["tags"])
+    time = tagged[1] if tagged else found["before"] or found["behind"] or ""
+    return time, found["sentence"]
+
+
+def _speed(message: dict[str, Any]) -> Any:
+    speed = message.get("speed")
+    not_available = message["msg_type"] == 27 and speed == _NO_SPEED_27
+    return None if not_available else speed
 
 
 def _complete(

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import errors
+from trackmetrics import _check, errors
+from trackmetrics._tables.errors import value
 from trackmetrics.logs import State
 
 Floats = NDArray[np.float64]
@@ -33,9 +34,14 @@ EARTH = 6_371_008.8
 """Mean radius of the Earth in metres (IUGG), for distances between reports."""
 
 
-def _positive(name: str, value: Any) -> None:
-    if not 0 < value < np.inf:
-        raise errors.parameter(name, "positive and finite", value)
+def _require(name: str, value: Any, requirement: str, *, finite: bool = True) -> None:
+    """Refuse what is no number, and numbers outside the range that the requirement names."""
+    if isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be a real number, got {value!r}")
+    number = _check.number(name, value)
+    above = number >= 0 if requirement == "at least 0" else number > 0
+    if not above or (finite and number == np.inf):
+        raise errors.parameter(name, requirement + " and finite" * finite, number)
 
 
 @dataclass(frozen=True)
@@ -52,12 +58,12 @@ class Noise:
     def __post_init__(self) -> None:
         """Refuse what is not positive."""
         for f in fields(self):
-            _positive(f.name, getattr(self, f.name))
+            _require(f.name, getattr(self, f.name), "positive")
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What a filter assumes. The defaults are honest for a cargo ship at sea with good AIS.
+    """What a filter assumes. The defaults are consistent for a cargo ship at sea with good AIS.
 
     AIS position accuracy flag 1 stands for better than 10 m; speed comes in steps of 0.1 kt, course
     in steps of 0.1 deg (ITU-R M.1371-5, messages 1 to 3).
@@ -97,16 +103,22 @@ class Settings:
 
     def __post_init__(self) -> None:
         """Refuse what no filter can run with."""
+        for name in ("ais", "truncated_ais", "position"):
+            if not isinstance(getattr(self, name), Noise):
+                raise TypeError(f"{name} must be a Noise, got {value(getattr(self, name))}")
         for name in ("acceleration_density", "turn_density", "course_density"):
-            if not 0 <= getattr(self, name) < np.inf:
-                raise errors.parameter(name, "at least 0 and finite", getattr(self, name))
-        for name in ("turn_rate_decay", "coast_after", "delete_after", "tentative"):
-            if not getattr(self, name) > 0:
-                raise errors.parameter(name, "positive", getattr(self, name))
-        for name in ("turn_rate_std", "max_speed"):
-            _positive(name, getattr(self, name))
-        if not 0 < self.gate < 1:
+            _require(name, getattr(self, name), "at least 0")
+        for name in ("turn_rate_decay", "coast_after", "delete_after"):
+            _require(name, getattr(self, name), "positive", finite=False)
+        for name in ("turn_rate_std", "max_speed", "gate"):
+            _require(name, getattr(self, name), "positive")
+        if not self.gate < 1:
             raise errors.parameter("gate", "between 0 and 1", self.gate)
+        if isinstance(self.tentative, bool | np.bool_):
+            raise TypeError(f"tentative must be a whole number, got {self.tentative!r}")
+        _check.count("tentative", self.tentative, 1)
+        if not isinstance(self.placeholders, bool | np.bool_):
+            raise TypeError(f"placeholders must be True or False, got {value(self.placeholders)}")
 
     @classmethod
     def harbour(cls) -> "Settings":
@@ -114,7 +126,7 @@ class Settings:
 
         Turn rates decay within half a minute. The densities are those with which the median vessel
         under way of an hour of AIS from the Solent, one report a minute, has a NIS as claimed; no
-        one setting is honest for a tanker and for a hovercraft.
+        one setting is consistent for a tanker and for a hovercraft.
         """
         return cls(
             ais=Noise(10.0, 0.3, 3.0),

@@ -51,14 +51,14 @@ class _Fleet:
     vessel: list[str | None] = field(default_factory=list)
 
     def grow(self, vessels: Iterable[str | None]) -> Integers:
-        """Room for new tracks; their indices. Doubling, so that the cost of growth stays linear."""
+        """Add tracks, return their indices; doubles the arrays, so that the cost stays linear."""
         first = len(self.vessel)
         self.vessel.extend(vessels)
         if len(self.vessel) > len(self.life):
-            room = max(2 * len(self.life), len(self.vessel), 16) - len(self.life)
-            self.life = np.concatenate([self.life, np.zeros((room, 7))])
-            self.x = np.concatenate([self.x, np.zeros((room, 5))])
-            self.p = np.concatenate([self.p, np.zeros((room, 5, 5))])
+            added = max(2 * len(self.life), len(self.vessel), 16) - len(self.life)
+            self.life = np.concatenate([self.life, np.zeros((added, 7))])
+            self.x = np.concatenate([self.x, np.zeros((added, 5))])
+            self.p = np.concatenate([self.p, np.zeros((added, 5, 5))])
         return np.arange(first, len(self.vessel))
 
 
@@ -320,18 +320,27 @@ def _truths(truth: Any, n: int) -> Floats:
 def _refuse_what_is_not_finite(reports: Reports) -> None:
     """Before anything is used, so that a bad call changes nothing."""
     used = np.arange(4) < OBSERVED[reports.kind][:, None]
-    good = np.isfinite(reports.time) & (np.isfinite(reports.z) | ~used).all(1)
-    good &= np.abs(reports.z[:, 0]) <= 90
-    if not good.all():
-        k = int(np.argmin(good))
-        values = ", ".join(f"{v:g}" for v in reports.z[k, :2])
+    columns = np.column_stack([reports.time, reports.z])
+    bad = ~np.isfinite(columns)
+    bad[:, 1:] &= used
+    if bad.any():
+        k, column = np.argwhere(bad)[0]
+        name = ("time", "lat", "lon", "sog", "cog")[column]
         raise ValueError(
-            f"report at time {float(reports.time[k])!r} cannot be used: position ({values})"
+            f"{name} of the report at time {float(reports.time[k])!r} is not finite: "
+            f"{columns[k, column]}"
+        )
+    beyond = np.abs(reports.z[:, 0]) > 90
+    if beyond.any():
+        k = int(np.argmax(beyond))
+        raise ValueError(
+            f"lat of the report at time {float(reports.time[k])!r} is beyond 90 degrees: "
+            f"{reports.z[k, 0]}"
         )
 
 
 def _scans(reports: Reports) -> Iterable[tuple[bool, Any]]:
-    """Stretches of identified reports, and scans of positions without identity, in time."""
+    """Runs of identified reports, and scans of positions without identity, in time."""
     anonymous = np.array([v is None for v in reports.vessel], bool)
     if not anonymous.any():
         yield False, slice(None)

@@ -1,7 +1,7 @@
 //! What can be wrong with an argument, with the numbers that say where.
 //!
 //! The text of every message is written here once for Rust and once, to the letter, in the
-//! package's `errors.py` for the NumPy twins; a test holds the two against each other.
+//! package's `errors.py` for the NumPy reference implementations; a test holds the two against each other.
 
 use crate::format::tuple;
 use std::fmt;

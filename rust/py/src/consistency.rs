@@ -120,7 +120,7 @@ fn forms<'py>(
     Shaped::new(py, values, leading)
 }
 
-/// Leaves scalars and column vectors to the public door, which knows how to flatten them.
+/// Leaves scalars and column vectors to the public function, which knows how to flatten them.
 fn refuse_columns(py: Python<'_>, states: &Array<'_>, covariances: &Array<'_>) -> PyResult<()> {
     match (states.shape(), covariances.shape()) {
         ([], _) | (_, [] | [_]) => Err(not_plain(py)),

@@ -1,6 +1,6 @@
 //! The argument types that kernels take.
 //!
-//! Each reads what it can without NumPy's help and raises `NotPlain` otherwise: the public door then
+//! Each reads what it can without NumPy's help and raises `NotPlain` otherwise: the public function then
 //! has NumPy convert the argument, and calls again.
 
 use crate::error::{not_plain, raise};
@@ -130,7 +130,7 @@ fn refuse(
     }
 }
 
-/// A number; anything else the public door names.
+/// A number; anything else the public function names.
 pub(crate) fn number(object: &Bound<'_, PyAny>) -> PyResult<f64> {
     object.extract().map_err(|_| not_plain(object.py()))
 }

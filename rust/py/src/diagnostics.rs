@@ -55,10 +55,10 @@ pub(crate) fn first_alarms<'py>(
     dof: Floats<'_, 1>,
     starts: Integers<'_>,
     scale: f64,
-    chance: f64,
+    alpha: f64,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let alarms = py
-        .detach(|| cusum::first_alarms(values.values, dof.values, starts.values, scale, chance))
+        .detach(|| cusum::first_alarms(values.values, dof.values, starts.values, scale, alpha))
         .map_err(raise)?;
     let pair =
         |alarm: &Option<(usize, usize)>| alarm.map_or([-1; 2], |(k, j)| [k as i64, j as i64]);

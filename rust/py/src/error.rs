@@ -18,7 +18,7 @@ pub(crate) fn raise(error: Error) -> PyErr {
     }
 }
 
-/// Says that an argument is not in the form that a kernel reads by itself: the public door converts
+/// Says that an argument is not in the form that a kernel reads by itself: the public function converts
 /// it and calls again.
 pub(crate) fn not_plain(py: Python<'_>) -> PyErr {
     exception(py, "trackmetrics.errors", "NotPlain", &NOT_PLAIN, String::new())

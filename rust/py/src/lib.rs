@@ -10,7 +10,7 @@
 //! | `convert`, `tensor` | the argument types that kernels take |
 //! | `error` | core errors as Python exceptions |
 //! | `interrupt` | Ctrl-C in long kernels |
-//! | the rest | one thin file for each room of core |
+//! | the rest | one thin file for each module of core |
 
 #![deny(unsafe_code)]
 // PyO3's macros write the documentation of what they generate.

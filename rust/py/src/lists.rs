@@ -2,7 +2,7 @@
 //!
 //! The documented API takes lists of small arrays. Packing such a list through NumPy costs hundreds
 //! of nanoseconds an element; walking it and reading each array's fields costs about five. What is
-//! not an exact `ndarray` of native `float64` or `int64` is left to the public door, which has NumPy
+//! not an exact `ndarray` of native `float64` or `int64` is left to the public function, which has NumPy
 //! convert it.
 //!
 //! This is the only file of the crate with `unsafe` code. All of it rests on two facts: the
@@ -312,7 +312,7 @@ pub(crate) fn named_tuple<'py>(
     }
     let class = class.as_type_ptr();
     // SAFETY: `class` is a live type, checked to be a tuple's, and so has this slot; it makes an
-    // object of three empty places, which nobody else knows of yet. `PyTuple_SetItem` checks the
+    // object of three empty places, which no one else knows of yet. `PyTuple_SetItem` checks the
     // object and the index, and takes over each float.
     unsafe {
         let slot = pyo3::ffi::PyType_GetSlot(class, pyo3::ffi::Py_tp_alloc);

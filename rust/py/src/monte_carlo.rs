@@ -40,7 +40,7 @@ type Sums<'py> = (Matrix<'py, f64>, Matrix<'py, f64>, Matrix<'py, i64>, Matrix<'
 /// a histogram.
 #[pyfunction]
 #[pyo3(signature = (truth, estimates, covariances, periods, first_run, decibels, thresholds))]
-#[allow(clippy::too_many_arguments)] // the twin takes the same
+#[allow(clippy::too_many_arguments)] // the reference takes the same
 pub(crate) fn consistency_sums<'py>(
     py: Python<'py>,
     truth: Floats<'_, 3>,

@@ -8,7 +8,14 @@ from numpy.typing import NDArray
 
 from trackmetrics import _check
 from trackmetrics.monte_carlo import serialization
-from trackmetrics.monte_carlo.run_tree import Floats, RunTree, canonical, first_overlap
+from trackmetrics.monte_carlo.run_tree import (
+    MAX_LEVEL,
+    MAX_RUNS,
+    Floats,
+    RunTree,
+    dyadic_blocks,
+    first_overlap,
+)
 
 Counts = NDArray[np.int64]
 
@@ -58,17 +65,23 @@ class Accumulator(ABC):
         ValueError
             Where ``other`` was made with other settings or shapes, or has a run that is here too.
         """
-        if type(other) is not type(self):
-            raise TypeError(f"a {self.kind} cannot take in a {type(other).__name__}")
-        if other.settings != self.settings:
-            raise ValueError(_difference("settings", self.settings, other.settings))
-        if other.shape is not None:
-            self._take_shape(other.shape)
-        if overlap := first_overlap(self._tree, other._tree):
-            raise ValueError(f"the runs {overlap[0]}..{overlap[1]} are in both")
+        self.require_mergeable(other)
+        if self.shape is None:
+            self.shape = other.shape
         self._tree.merge(other._tree)
         self._add_counts(other._counts)
         self._skipped += other._skipped
+
+    def require_mergeable(self, other: "Accumulator") -> None:
+        """Raise what :meth:`merge` would raise, and change nothing."""
+        if type(other) is not type(self):
+            raise TypeError(f"cannot merge a {type(other).__name__} into a {self.kind}")
+        if other.settings != self.settings:
+            raise ValueError(_difference("settings", self.settings, other.settings))
+        if self.shape is not None and other.shape is not None and self.shape != other.shape:
+            raise ValueError(_difference("shapes", self.shape, other.shape))
+        if overlap := first_overlap(self._tree, other._tree):
+            raise ValueError(f"the runs {overlap[0]}..{overlap[1]} are in both")
 
     def to_bytes(self) -> bytes:
         """Everything as bytes: the same bytes for the same runs, however they were cut."""
@@ -83,7 +96,7 @@ class Accumulator(ABC):
             "settings": self.settings,
             "shape": self.shape,
             "skipped": self._skipped,
-            "top": self._tree.top,
+            "top": self._tree.max_level,
         }
         return serialization.pack(self.kind, header, arrays)
 
@@ -95,22 +108,57 @@ class Accumulator(ABC):
         ------
         ValueError
             Where ``data`` are damaged, of another kind, or of a format that this version cannot
-            read.
+            read. Sizes are checked before memory is taken for them.
         """
-        header, arrays = serialization.unpack(data, cls.kind)
-        made = cls._from_settings(header["settings"])
-        made.shape, made._skipped = header["shape"], header["skipped"]
-        made._tree = RunTree(header["top"])
-        rows = iter(arrays["rows"])
-        for start, level, given in arrays["nodes"].reshape(-1, 3).tolist():
-            made._tree.add(start, level, next(rows) if given else None)
-        prefix = "count "
-        made._counts = {
-            name.removeprefix(prefix): array
-            for name, array in arrays.items()
-            if name.startswith(prefix)
-        }
-        return made
+        with serialization.refusing_malformed():
+            header, arrays = serialization.unpack(data, cls.kind)
+            made = cls._from_settings(header["settings"])
+            made._read_header(header)
+            made._read_nodes(arrays.pop("nodes"), arrays.pop("rows"))
+            prefix = "count "
+            made._counts = {name.removeprefix(prefix): array for name, array in arrays.items()}
+            made._require_sizes()
+            return made
+
+    def _read_header(self, header: dict[str, Any]) -> None:
+        shape, top = header["shape"], serialization.whole(header["top"])
+        if not isinstance(self.settings, dict) or not isinstance(shape, dict | None):
+            raise ValueError("settings and shape must be mappings")
+        if not 0 <= top <= MAX_LEVEL:
+            raise ValueError(f"level {top} of {MAX_LEVEL}")
+        self.shape, self._tree = shape, RunTree(top)
+        self._skipped = serialization.whole(header["skipped"])
+
+    def _read_nodes(self, nodes: NDArray[Any], rows: NDArray[Any]) -> None:
+        """The tree of the runs; nodes must be aligned, in order and without overlap."""
+        if nodes.dtype != np.int64 or rows.dtype != np.float64 or rows.ndim != 2:
+            raise ValueError("nodes and rows have other types")
+        given_rows, end = iter(rows), 0
+        for start, level, has_row in nodes.reshape(-1, 3).tolist():
+            valid = 0 <= level <= self._tree.max_level and has_row in (0, 1)
+            if not valid or start < end or start % (1 << level) or start >= MAX_RUNS:
+                raise ValueError(f"node ({start}, {level}) is not one")
+            end = start + (1 << level)
+            self._tree.add(start, level, next(given_rows) if has_row else None)
+        if sum(nodes.reshape(-1, 3)[:, 2].tolist()) != len(rows):
+            raise ValueError("as many rows as nodes with one")
+        if not 0 <= self._skipped <= len(self._tree):
+            raise ValueError(f"{self._skipped} runs skipped of {len(self._tree)}")
+
+    def _require_sizes(self) -> None:
+        """Whether sums and counts have the sizes that settings and shape give them."""
+        expected = self._sizes()
+        if expected is None:
+            return
+        width, counts = expected
+        widths = {len(row) for _, _, row in self._tree if row is not None}
+        found = {name: array.shape for name, array in self._counts.items()}
+        if widths - {width} or found != (counts if self.runs or found else {}):
+            raise ValueError("sums or counts have other sizes than the shape says")
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]] | None:
+        """Numbers of a row of sums, and the shape of each count; None where it is not known."""
+        return None
 
     @abstractmethod
     def result(self) -> Any:
@@ -125,7 +173,7 @@ class Accumulator(ABC):
     def empty_copy(self) -> Self:
         """One that takes the same runs, and has none."""
         made = self._from_settings(self.settings)
-        made._tree.top = self._tree.top
+        made._tree.max_level = self._tree.max_level
         return made
 
     def moved_to(self, run: int) -> Self:
@@ -142,12 +190,14 @@ class Accumulator(ABC):
 
     def _cover(self, first_run: int, runs: int) -> None:
         """Says that these runs are in, without sums."""
-        for start, level in canonical(first_run, first_run + runs, self._tree.top):
+        for start, level in dyadic_blocks(first_run, first_run + runs, self._tree.max_level):
             self._tree.add(start, level, None)
 
-    def _absorb(self, first_run: int, runs: int, rows: Floats, counts: dict[str, Counts]) -> None:
-        """Takes in the rows of the canonical nodes of a batch of runs."""
-        nodes = canonical(first_run, first_run + runs, self._tree.top)
+    def _add_nodes(
+        self, first_run: int, runs: int, rows: Floats, counts: dict[str, Counts]
+    ) -> None:
+        """Takes in the rows of the dyadic blocks of a batch of runs."""
+        nodes = dyadic_blocks(first_run, first_run + runs, self._tree.max_level)
         for (start, level), row in zip(nodes, rows, strict=True):
             self._tree.add(start, level, row)
         self._add_counts(counts)
@@ -160,7 +210,7 @@ class Accumulator(ABC):
     def _require_new(self, first_run: int, runs: int) -> None:
         _check.count("first_run", first_run, 0)
         new = RunTree()
-        for start, level in canonical(first_run, first_run + runs):
+        for start, level in dyadic_blocks(first_run, first_run + runs):
             new.add(start, level, None)
         if overlap := first_overlap(self._tree, new):
             raise ValueError(f"the runs {overlap[0]}..{overlap[1]} are in already")
@@ -178,5 +228,5 @@ class Accumulator(ABC):
 
 def _difference(what: str, ours: dict[str, Any], theirs: dict[str, Any]) -> str:
     names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
-    words = (f"{name} is {theirs.get(name)}, expected {ours.get(name)}" for name in names)
-    return f"runs of other {what}: {'; '.join(words)}"
+    parts = (f"{name} is {theirs.get(name)}, expected {ours.get(name)}" for name in names)
+    return f"runs of other {what}: {'; '.join(parts)}"

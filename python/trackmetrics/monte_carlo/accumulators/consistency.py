@@ -1,35 +1,38 @@
-"""Is a filter honest? What many runs say of it, kept in a few sums for each step."""
+"""Consistency and accuracy of a filter over many runs, kept in a few sums for each step."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from trackmetrics import _backend, _check, errors
+from trackmetrics import _backend, _check, _deprecated, errors
+from trackmetrics._distributions import DECIBELS, chi2_log_mean, chi2_quantile
 from trackmetrics.monte_carlo.accumulators.base import Accumulator, Counts
-from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, FormStatistics
+from trackmetrics.monte_carlo.accumulators.histogram import BINS
+from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
 from trackmetrics.monte_carlo.run_tree import Floats
 
-LEVELS = (0.5, 0.9, 0.95, 0.99)
+PROBABILITIES = (0.5, 0.9, 0.95, 0.99)
 _STATES = ("truth", "estimates", "covariances")
 _INNOVATIONS = ("innovations", "innovation_covariances")
 
 
 class ConsistencyAccumulator(Accumulator):
-    """ANEES, RMSE and their kin over many runs, step by step, without keeping the runs.
+    """ANEES, RMSE and related statistics over many runs, step by step, without keeping the runs.
 
     For the error e of each run and step with its covariance P, and q = e' P^-1 e, it keeps over
-    the runs: sums of q (ANEES), q^2, 10 log10 q (inclination) and its distance from what an honest
-    filter expects (noncredibility), of e (bias), e^2 (RMSE) and e / sqrt(P_jj) (normalised mean
-    error) of every state; how many q lie below the ``levels`` quantiles of chi-square (coverage);
-    and a histogram of q. The same of innovations with their covariances, where they are given.
+    the runs: sums of q (ANEES), q^2, 10 log10 q (inclination) and its distance from what a
+    consistent filter expects (noncredibility), of e (bias: estimate minus truth), e^2 (RMSE) and
+    e / sqrt(P_jj) (normalised mean error) of every state; how many q lie below the chi-square
+    quantiles of ``probabilities`` (coverage); and a histogram of q. The same of innovations with
+    their covariances, where they are given.
 
     Parameters
     ----------
     angles, innovation_angles : mapping of int to float
         Which components of the state and of the innovation are angles, with their period
         (``{3: 360.0}``): their errors are brought into (-period / 2, period / 2].
-    levels : sequence of float
+    probabilities : sequence of float
         The probabilities of the credibility regions whose coverage is counted.
 
     Notes
@@ -62,23 +65,24 @@ class ConsistencyAccumulator(Accumulator):
 
     kind = "ConsistencyAccumulator"
 
+    @_deprecated.parameters(levels="probabilities")
     def __init__(
         self,
         *,
         angles: Mapping[int, float] | None = None,
         innovation_angles: Mapping[int, float] | None = None,
-        levels: Sequence[float] = LEVELS,
+        probabilities: Sequence[float] = PROBABILITIES,
     ) -> None:
-        if isinstance(levels, str) or not isinstance(levels, Iterable):
-            raise TypeError(f"levels must be a sequence of numbers, got {levels!r}")
-        for level in levels:
-            if not 0 < _check.number("levels", level) < 1:
-                raise errors.parameter("levels", "between 0 and 1", level)
+        if isinstance(probabilities, str) or not isinstance(probabilities, Iterable):
+            raise TypeError(f"probabilities must be a sequence of numbers, got {probabilities!r}")
+        for probability in probabilities:
+            if not 0 < _check.number("probabilities", probability) < 1:
+                raise errors.parameter("probabilities", "between 0 and 1", probability)
         super().__init__(
             {
                 "angles": _periods("angles", angles),
                 "innovation_angles": _periods("innovation_angles", innovation_angles),
-                "levels": [float(level) for level in levels],
+                "levels": [float(p) for p in probabilities],
             }
         )
 
@@ -101,9 +105,11 @@ class ConsistencyAccumulator(Accumulator):
         numpy.linalg.LinAlgError
             For a covariance that is not positive definite, with its run and step in the batch.
         """
-        self.absorb(batch, first_run)
+        self.add_runs(batch, first_run)
 
-    def absorb(self, batch: Mapping[str, Any], first_run: int) -> dict[str, Floats]:
+    absorb = _deprecated.attribute("add_runs")
+
+    def add_runs(self, batch: Mapping[str, Any], first_run: int) -> dict[str, Floats]:
         """As ``update``; returns for each run the steps counted, the sum of q, and of e^2."""
         if not isinstance(batch, Mapping):
             raise TypeError(f"batch must be a mapping of names to arrays, got {batch!r}")
@@ -127,7 +133,7 @@ class ConsistencyAccumulator(Accumulator):
         for name, (_, _, under, histogram) in parts.items():
             counts |= {f"{name} under": under, f"{name} histogram": histogram}
         rows = np.concatenate([part[0] for part in parts.values()], axis=1)
-        self._absorb(first_run, runs, rows, counts)
+        self._add_nodes(first_run, runs, rows, counts)
         return {name: part[1] for name, part in parts.items()}
 
     def _sums(
@@ -142,39 +148,43 @@ class ConsistencyAccumulator(Accumulator):
             if index >= d:
                 raise ValueError(f"{setting} names component {index} of {d}")
             periods[index] = period
-        thresholds = chi_square_quantiles(self.settings["levels"], d)
+        thresholds = np.asarray(chi2_quantile(np.array(self.settings["levels"]), d), np.float64)
         found: tuple[Floats, Floats, Counts, Counts] = _backend.kernels.consistency_sums(
-            truth, estimates, covariances, periods, first_run, expected_decibels(d), thresholds
+            truth,
+            estimates,
+            covariances,
+            periods,
+            first_run,
+            float(DECIBELS * chi2_log_mean(d)),
+            thresholds,
         )
         return found
 
     def result(self, confidence: float = 0.95) -> ConsistencySummary:
         """The statistics of the runs so far, with intervals of this confidence."""
         total = self._total()
-        found: dict[str, FormStatistics] = {}
+        found: dict[str, ErrorStatistics] = {}
         start = 0
         for name, (steps, d) in (self.shape or {}).items():
             width = steps * (4 + 3 * d)
             row = np.zeros(width) if total is None else total[start : start + width]
             under, histogram = self._counts[f"{name} under"], self._counts[f"{name} histogram"]
             levels = tuple(self.settings["levels"])
-            found[name] = FormStatistics.of(row, d, under, histogram, levels, confidence)
+            sign = -1.0 if name == "states" else 1.0
+            found[name] = ErrorStatistics.of(
+                row, d, under, histogram, levels, confidence, sign=sign
+            )
             start += width
         return ConsistencySummary(self.runs, found.get("states"), found.get("innovations"))
 
-
-def chi_square_quantiles(levels: Any, dimension: Any) -> Floats:
-    """Quantiles of chi-square."""
-    from scipy.special import gammaincinv
-
-    return np.asarray(2.0 * gammaincinv(np.asarray(dimension) / 2.0, levels), dtype=np.float64)
-
-
-def expected_decibels(dimension: int) -> float:
-    """E[10 log10 q] where q is chi-square."""
-    from scipy.special import digamma
-
-    return float(10.0 / np.log(10.0) * (np.log(2.0) + digamma(dimension / 2.0)))
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        width = 0
+        counts: dict[str, tuple[int, ...]] = {}
+        for name, (steps, d) in (self.shape or {}).items():
+            width += steps * (4 + 3 * d)
+            counts[f"{name} under"] = (1 + len(self.settings["levels"]), steps)
+            counts[f"{name} histogram"] = (steps, BINS)
+        return width, counts
 
 
 def _periods(argument: str, angles: Mapping[int, float] | None) -> list[list[float]]:

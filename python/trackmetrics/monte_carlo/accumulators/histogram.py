@@ -9,6 +9,10 @@ _PARTS = 3
 _LOWEST, _HIGHEST = (1023 - 20) << _PARTS, (1023 + 28) << _PARTS
 
 
+BINS = _HIGHEST - _LOWEST + 2
+"""How many bins there are."""
+
+
 def edges() -> NDArray[np.float64]:
     """The edges of the bins: 0, then 2**-20 .. 2**28 in eighths of an octave, then infinity."""
     leading = np.arange(_LOWEST, _HIGHEST + 1, dtype=np.int64)

@@ -1,17 +1,18 @@
 """Scores of labels over many runs: counts are summed, and ratios made of the sums."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from trackmetrics import errors
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
+from trackmetrics.results import Result
 
 
 @dataclass(frozen=True)
-class LabelSummary:
+class LabelSummary(Result):
     """Counts over all runs, and the ratios of the sums."""
 
     runs: int
@@ -41,10 +42,6 @@ class LabelSummary:
             if name not in self.counts:
                 raise ValueError(f"there is no count {name!r}, there are {', '.join(self.counts)}")
         return sum(self.counts[name] for name in chosen)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The fields."""
-        return asdict(self)
 
 
 class LabelAccumulator(Accumulator):
@@ -91,6 +88,9 @@ class LabelAccumulator(Accumulator):
     def result(self) -> LabelSummary:
         """The sums so far."""
         return LabelSummary(self.runs, {name: int(n[0]) for name, n in self._counts.items()})
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        return 0, dict.fromkeys((self.shape or {"names": []})["names"], (1,))
 
 
 def _whole(name: str, values: Any) -> Any:

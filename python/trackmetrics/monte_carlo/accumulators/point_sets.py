@@ -1,7 +1,7 @@
-"""How far are estimated sets of points from the truth? Over many runs, in a few sums."""
+"""OSPA and GOSPA over many runs, step by step."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from trackmetrics import _backend, errors, point_sets
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
-from trackmetrics.monte_carlo.accumulators.histogram import quantiles
+from trackmetrics.monte_carlo.accumulators.histogram import BINS, quantiles
 from trackmetrics.monte_carlo.run_tree import Floats
+from trackmetrics.results import Result
 
 _COLUMNS = ("ospa", "gospa", "localization", "missed", "false")
 
 
 @dataclass(frozen=True, repr=False)
-class PointSetSummary:
+class PointSetSummary(Result):
     """OSPA and GOSPA over runs, step by step, ``(steps,)`` each."""
 
     runs: int
@@ -47,11 +48,6 @@ class PointSetSummary:
     def gospa_quantiles(self, levels: Sequence[float]) -> Floats:
         """Quantiles of GOSPA over runs, ``(levels, steps)``, wrong by at most 12 %."""
         return quantiles(self.gospa_histogram, levels)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The fields, arrays as lists."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in values.items()}
 
     def __repr__(self) -> str:
         means = f"ospa={np.mean(self.ospa):.4g}, gospa={np.mean(self.gospa):.4g}"
@@ -130,7 +126,7 @@ class PointSetAccumulator(Accumulator):
             for i, name in enumerate(("ospa", "gospa"))
         }
         sums = kernels.run_sums(np.ascontiguousarray(columns), first_run)
-        self._absorb(first_run, runs, sums, counts)
+        self._add_nodes(first_run, runs, sums, counts)
 
     def _values(self, truth: list[Any], estimates: list[Any]) -> Floats:
         """OSPA, GOSPA and its parts of every step of every run."""
@@ -162,6 +158,10 @@ class PointSetAccumulator(Accumulator):
             ospa_histogram=self._counts.get("ospa", none),
             gospa_histogram=self._counts.get("gospa", none),
         )
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        steps = self.shape["steps"] if self.shape else 0
+        return 7 * steps, dict.fromkeys(("ospa", "gospa"), (steps, BINS)) if self.shape else {}
 
 
 def _flat(runs: Sequence[Sequence[Any]]) -> list[Any]:

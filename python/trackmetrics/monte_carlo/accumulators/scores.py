@@ -1,4 +1,4 @@
-"""One number a run: means over runs, and paired differences between settings."""
+"""Scores of runs: means over runs, and paired differences between settings."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _backend
+from trackmetrics import _backend, _deprecated
 from trackmetrics.monte_carlo.accumulators.base import Accumulator
 from trackmetrics.monte_carlo.run_tree import Floats
 
@@ -15,7 +15,7 @@ BLOCKS = 1024
 """Of more runs than this, blocks of equally many are kept."""
 
 
-def block_level(runs: int) -> int:
+def block_level_for(runs: int) -> int:
     """The least level of blocks that are at most ``BLOCKS`` for this many runs."""
     return max(0, (max(runs, 1) - 1) // BLOCKS).bit_length()
 
@@ -28,8 +28,8 @@ class ScoreAccumulator(Accumulator):
 
     Parameters
     ----------
-    level : int
-        A block is ``2**level`` runs.
+    block_level : int
+        A block is ``2**block_level`` runs.
 
     Examples
     --------
@@ -41,9 +41,10 @@ class ScoreAccumulator(Accumulator):
 
     kind = "ScoreAccumulator"
 
-    def __init__(self, level: int = 0) -> None:
+    @_deprecated.parameters(level="block_level")
+    def __init__(self, block_level: int = 0) -> None:
         super().__init__({})
-        self._tree.top = level
+        self._tree.max_level = block_level
 
     def update(self, batch: Mapping[str, Any], first_run: int) -> None:
         """Takes in scores of runs, ``{name: (runs,)}``; NaN for a run that has none."""
@@ -61,17 +62,19 @@ class ScoreAccumulator(Accumulator):
         columns = np.ascontiguousarray(np.hstack([np.where(given, values, 0.0), given]))
         for start, stop in self._blocks(first_run, first_run + runs):
             rows = _backend.kernels.run_sums(columns[start - first_run : stop - first_run], start)
-            self._absorb(start, stop - start, rows, {})
+            self._add_nodes(start, stop - start, rows, {})
 
     def _blocks(self, first: int, stop: int) -> list[tuple[int, int]]:
         """The runs, cut where blocks end, so that no node is larger than a block."""
-        size = 1 << self._tree.top
+        size = 1 << self._tree.max_level
         cuts = [first, *range((first // size + 1) * size, stop, size), stop]
         return [(a, b) for a, b in pairwise(cuts) if a < b]
 
-    def coarsen(self, level: int) -> None:
+    coarsen = _deprecated.attribute("merge_blocks")
+
+    def merge_blocks(self, level: int) -> None:
         """Joins blocks into blocks of ``2**level`` runs."""
-        self._tree.raise_top(max(level, self._tree.top))
+        self._tree.raise_max_level(max(level, self._tree.max_level))
 
     @property
     def names(self) -> list[str]:
@@ -93,10 +96,13 @@ class ScoreAccumulator(Accumulator):
 
     def blocks(self, name: str) -> tuple[NDArray[np.int64], Floats]:
         """First run and mean score of each complete block, in the order of the runs."""
-        column, level = self.names.index(name), self._tree.top
+        column, level = self.names.index(name), self._tree.max_level
         starts, means = [], []
         for start, height, row in self._tree:
             if height == level and row is not None and row[len(row) // 2 + column] == 1 << level:
                 starts.append(start)
                 means.append(row[column] / (1 << level))
         return np.array(starts, np.int64), np.array(means, np.float64)
+
+    def _sizes(self) -> tuple[int, dict[str, tuple[int, ...]]]:
+        return 2 * len(self.names), {}

@@ -185,8 +185,8 @@ impl Workspace {
             }
             let (lowest, second, j) = two_lowest(simd, row(problem, i, &self.zeros), &self.columns);
             // A row with one column only can pay any price.
-            let dearer = if second < f64::INFINITY { second - lowest } else { problem.largest };
-            let dual = self.columns.dual[j] - (dearer + epsilon);
+            let costlier = if second < f64::INFINITY { second - lowest } else { problem.largest };
+            let dual = self.columns.dual[j] - (costlier + epsilon);
             lower(simd, S::as_mut_simd_f64s(&mut self.columns.dual).0, j, dual);
             let owner = std::mem::replace(&mut self.row_of_column[j], i);
             if owner != NONE {
@@ -196,7 +196,7 @@ impl Workspace {
         Ok(())
     }
 
-    /// How much dearer the matching is than the duals prove every one to be: what each row pays more
+    /// How much costlier the matching is than the duals prove every one to be: what each row pays more
     /// than in its best column, and what sums may have lost by rounding.
     #[inline(always)]
     fn bound<S: Simd>(&self, simd: S, problem: Problem<'_>) -> f64 {

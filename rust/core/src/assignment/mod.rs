@@ -1,4 +1,4 @@
-//! Who is matched with whom, at the least total cost or at the smallest largest cost.
+//! Which points are matched, at the least total cost or at the smallest largest cost.
 
 pub(crate) mod alternating_cycle;
 pub mod auction;

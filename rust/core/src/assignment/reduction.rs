@@ -75,7 +75,7 @@ fn reduce_columns<S: Simd>(
     Some(())
 }
 
-/// Matches each free row with its nearest column, which becomes dearer by as much as the row can pay
+/// Matches each free row with its nearest column, which becomes costlier by as much as the row can pay
 /// before its second nearest is as good; a row that loses its column is next.
 #[inline(always)]
 fn reduce_rows<S: Simd>(
@@ -102,12 +102,12 @@ fn reduce_rows<S: Simd>(
             }
             let owner = matching.row_of_column[j];
             let dual = matching.columns.dual[j] - (second - lowest);
-            let dearer = second < f64::INFINITY && dual < matching.columns.dual[j];
-            if owner != NONE && !dearer {
+            let costlier = second < f64::INFINITY && dual < matching.columns.dual[j];
+            if owner != NONE && !costlier {
                 left.push(i);
                 break;
             }
-            if dearer {
+            if costlier {
                 lower(simd, S::as_mut_simd_f64s(&mut matching.columns.dual).0, j, dual);
             }
             matching.set(i, j);

@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The cheapest way to find room for `row`, and its length.
+    /// The cheapest way to find space for `row`, and its length.
     fn shortest_path(&mut self, row: usize, interrupt: &Interrupt<'_>) -> Result<(End, f64)> {
         self.epoch += 1;
         self.heap.clear();

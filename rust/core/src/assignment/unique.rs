@@ -2,7 +2,7 @@
 //!
 //! Duals `u`, `v` that are feasible (the reduced costs `r = c - u - v` are not negative, `v` is not
 //! positive and 0 for a free column) and tight on the matching prove it optimal. They also say by
-//! how much any other complete matching is dearer: by the reduced costs of its pairs and by `-v` of
+//! how much any other complete matching is costlier: by the reduced costs of its pairs and by `-v` of
 //! the columns that it leaves free. What one matching has and the other has not is made of cycles
 //! and of paths to a free column. So if another one is nearly as good, there is a cycle in which
 //!

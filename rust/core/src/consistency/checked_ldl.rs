@@ -1,7 +1,7 @@
 //! One covariance at a time, with every check: what the lanes hand over when in doubt.
 //!
 //! The order of operations is fixed and without fused multiply-add, so that every machine, and the
-//! NumPy twin, draws the line between positive definite and not at the same place.
+//! NumPy reference, draws the line between positive definite and not at the same place.
 
 use crate::arrays::{Array, unravel};
 use crate::error::{Error, Result};

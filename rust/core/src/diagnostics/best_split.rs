@@ -1,4 +1,4 @@
-//! What the best cut of an honest sequence gains by chance.
+//! What the best cut of a consistent sequence gains by coincidence.
 //!
 //! For each of many drawn sequences of chi-square values with one common scale, the largest gain in
 //! likelihood over all places where it can be cut in two (see `segmentation`). A quantile of these

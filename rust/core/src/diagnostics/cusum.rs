@@ -13,21 +13,21 @@ use crate::error::{Error, Result};
 /// The first alarm of each of many sequences, one behind the other: its place and where the rise
 /// began, counted within the sequence.
 ///
-/// Sequence i is `values[starts[i]..starts[i + 1]]`; its threshold is ln(length / `chance`).
+/// Sequence i is `values[starts[i]..starts[i + 1]]`; its threshold is ln(length / `alpha`).
 ///
 /// # Errors
 /// If a value is not finite or negative, a degree of freedom not positive, the lengths differ,
-/// `starts` do not rise to the number of values, or `scale` or `chance` is not positive.
+/// `starts` do not rise to the number of values, or `scale` or `alpha` is not positive.
 pub fn first_alarms(
     values: &[f64],
     dof: &[f64],
     starts: &[i64],
     scale: f64,
-    chance: f64,
+    alpha: f64,
 ) -> Result<Vec<Option<(usize, usize)>>> {
     check_values(values, dof)?;
     check_starts("values", starts, values.len())?;
-    for (argument, value) in [("scale", scale), ("chance", chance)] {
+    for (argument, value) in [("scale", scale), ("alpha", alpha)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Error::Parameter { argument, requirement: "positive", value });
         }
@@ -35,7 +35,7 @@ pub fn first_alarms(
     let (half_log, half_gain) = (scale.ln() / 2.0, (1.0 - 1.0 / scale) / 2.0);
     let alarm = |pair: &[i64]| {
         let range = pair[0] as usize..pair[1] as usize;
-        let threshold = (range.len() as f64 / chance).ln();
+        let threshold = (range.len() as f64 / alpha).ln();
         let rises = values[range.clone()].iter().zip(&dof[range]);
         first_alarm(rises.map(|(value, m)| value * half_gain - m * half_log), threshold)
     };
@@ -74,12 +74,12 @@ mod tests {
 
     #[test]
     fn wrong_arguments_are_named() {
-        let wrong = |values: &[f64], scale: f64, chance: f64| {
-            first_alarms(values, &[1.0], &[0, 1], scale, chance).unwrap_err().to_string()
+        let wrong = |values: &[f64], scale: f64, alpha: f64| {
+            first_alarms(values, &[1.0], &[0, 1], scale, alpha).unwrap_err().to_string()
         };
         assert_eq!(wrong(&[-1.0], 2.0, 0.1), "values must be at least 0, got -1.0");
         assert_eq!(wrong(&[1.0], f64::NAN, 0.1), "scale must be positive, got nan");
-        assert_eq!(wrong(&[1.0], 2.0, 0.0), "chance must be positive, got 0.0");
+        assert_eq!(wrong(&[1.0], 2.0, 0.0), "alpha must be positive, got 0.0");
         assert_eq!(wrong(&[1.0, 2.0], 2.0, 0.1), "dof has 1 values, values has 2");
     }
 }

@@ -1,10 +1,10 @@
-//! The likelihood of a stretch of chi-square values with one unknown scale, in code that compiles
+//! The likelihood of a segment of chi-square values with one unknown scale, in code that compiles
 //! to vector instructions.
 //!
 //! For values with sum N and degrees of freedom M together, the best scale is N / M, and twice the
 //! maximal log-likelihood is, up to terms of the data alone, -M ln(N / M).
 
-/// Ratio below which a stretch of values that vanish is held, so that its logarithm exists.
+/// Ratio below which a segment of values that vanish is held, so that its logarithm exists.
 const FLOOR: f64 = 1e-12;
 
 /// -M ln(N / M).

@@ -9,6 +9,7 @@ mod likelihood;
 pub mod nees_autocorrelation;
 mod noise_filter;
 pub mod noise_likelihood;
+mod noise_log;
 mod optimal;
 mod partitions;
 pub mod segmentation;

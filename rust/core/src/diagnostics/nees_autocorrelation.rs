@@ -1,6 +1,6 @@
 //! How far correlation in time widens the NEES of one run.
 //!
-//! The error of an honest filter obeys e_k = A_k e_(k-1) + d_k with A_k = (I - K_k H_k) F_k, so that
+//! The error of a consistent filter obeys e_k = A_k e_(k-1) + d_k with A_k = (I - K_k H_k) F_k, so that
 //! with P_k = L_k L_k' the whitened errors of two times have the covariance
 //! C_kl = L_k^-1 A_k ... A_(l+1) L_l, and cov(NEES_k, NEES_l) = 2 |C_kl|^2 (Frobenius). A value
 //! counts for 1 / tau_k of an independent one, tau_k = (1 / d) sum over l of |C_kl|^2; without A the

@@ -17,7 +17,7 @@ use super::fixed::{
     scaled, subtract,
 };
 use super::gamma::{LN_TWO_PI, ln_gamma};
-use super::noise_likelihood::{NoiseFactors, NoiseLog};
+use super::noise_log::{NoiseFactors, NoiseLog};
 use crate::error::{Error, Result};
 use crate::simd;
 use pulp::{Simd, WithSimd};

@@ -3,7 +3,7 @@
 //! The states play a game in which a coalition S earns v(S) = e_S' P_SS^-1 e_S, the squared error
 //! that these states alone show; v never falls as states join, and v(all) is the NEES. The share of
 //! a state is its mean contribution over all orders in which the states can join: the shares add up
-//! to the NEES, and for an honest filter each is 1 on average. Shapley (1953),
+//! to the NEES, and for a consistent filter each is 1 on average. Shapley (1953),
 //! doi:10.1515/9781400881970-018.
 //!
 //! A state that joins S adds the square of its error, whitened against S: one more row of the

@@ -1,4 +1,4 @@
-//! What is kept of the errors of a batch of runs to judge whether a filter is honest.
+//! What is kept of the errors of a batch of runs to judge whether a filter is consistent.
 //!
 //! For the error e of each run and step, with its covariance P, the columns
 //!
@@ -6,7 +6,7 @@
 //! | --- | --- |
 //! | q = e' P^-1 e | ANEES (over the dimension) |
 //! | q^2 | spread of NEES |
-//! | b = 10 log10 q | inclination: its mean, less what an honest filter expects |
+//! | b = 10 log10 q | inclination: its mean, less what a consistent filter expects |
 //! | \|b - E b\| | noncredibility index |
 //! | e_j, each state | bias |
 //! | e_j^2 | RMSE |

@@ -6,9 +6,9 @@ use std::ops::Range;
 /// What is counted and centred, set by the number of dimensions.
 #[derive(Debug, Clone, Copy)]
 pub struct Levels<'a> {
-    /// The expectation of 10 log10 q for an honest filter.
+    /// The expectation of 10 log10 q for a consistent filter.
     pub decibels: f64,
-    /// Quantiles of q for an honest filter.
+    /// Quantiles of q for a consistent filter.
     pub thresholds: &'a [f64],
 }
 

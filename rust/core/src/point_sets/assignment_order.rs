@@ -1,4 +1,4 @@
-//! Who is matched with whom.
+//! Which points are matched.
 //!
 //! The pairs of the least total of `min(d, c)^p`, without those at the cutoff or beyond, which cost
 //! what two points alone cost. Where several matchings cost the same, the one that SciPy's

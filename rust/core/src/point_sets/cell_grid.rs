@@ -182,12 +182,12 @@ impl Near {
     /// # Errors
     /// [`Error::Memory`] before more is allocated than [`MEMORY`].
     pub(super) fn pairs(&self, cutoff: &Cutoff, interrupt: &Interrupt<'_>) -> Result<Pairs> {
-        let mut room = self.candidates;
-        if room > MEMORY / PAIR {
-            room = self.count(cutoff, interrupt)?;
+        let mut space = self.candidates;
+        if space > MEMORY / PAIR {
+            space = self.count(cutoff, interrupt)?;
         }
-        if room > MEMORY / PAIR {
-            return Err(Error::Memory { pairs: room, bytes: room.saturating_mul(PAIR) });
+        if space > MEMORY / PAIR {
+            return Err(Error::Memory { pairs: space, bytes: space.saturating_mul(PAIR) });
         }
         match self.x.coordinates.len() / self.x.cells.len().max(1) {
             1 => self.list::<1>(cutoff, interrupt),
@@ -198,11 +198,11 @@ impl Near {
     }
 
     fn list<const D: usize>(&self, cutoff: &Cutoff, interrupt: &Interrupt<'_>) -> Result<Pairs> {
-        let room = (1.2 * self.expected(D)) as usize;
+        let space = (1.2 * self.expected(D)) as usize;
         let mut pairs = Pairs {
             starts: vec![0; self.x.cells.len() + 1],
-            columns: Vec::with_capacity(room.min(MEMORY / PAIR)),
-            costs: Vec::with_capacity(room.min(MEMORY / PAIR)),
+            columns: Vec::with_capacity(space.min(MEMORY / PAIR)),
+            costs: Vec::with_capacity(space.min(MEMORY / PAIR)),
         };
         let mut stop = Ok(());
         self.each_near::<D>(cutoff, |i, j, square| {

@@ -58,7 +58,7 @@ pub(crate) trait Sets: Copy {
         tiny::over_assignments(m, n, |i, j| self.cost(i, j, cutoff))
     }
 
-    /// Whether a cost of zero is owed to equal points, and not to distances so small that their
+    /// Whether a cost of zero is due to equal points, and not to distances so small that their
     /// powers vanish.
     fn zero_is_exact(&self, cutoff: &Cutoff) -> bool {
         let (m, n) = self.sizes();

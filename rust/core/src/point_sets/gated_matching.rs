@@ -83,7 +83,7 @@ enum End {
 }
 
 impl Workspace {
-    /// Makes room for a problem of this size.
+    /// Reserves memory for a problem of this size.
     #[inline(always)]
     pub(super) fn start(&mut self, rows: usize, columns: usize) {
         self.rows = rows;
@@ -225,7 +225,7 @@ impl Workspace {
         self.column_dual.resize(self.stride, 0.0);
     }
 
-    /// The cheapest way to find room for `row`, and its length.
+    /// The cheapest way to find space for `row`, and its length.
     #[inline(always)]
     fn search<S: Simd>(
         &mut self,

@@ -8,9 +8,9 @@ pub type Pair = (usize, usize);
 pub struct Ospa {
     /// The distance, in the points' unit.
     pub distance: f64,
-    /// The part owed to the distances of matched points.
+    /// The part due to the distances of matched points.
     pub localization: f64,
-    /// The part owed to the difference in cardinality.
+    /// The part due to the difference in cardinality.
     pub cardinality: f64,
 }
 

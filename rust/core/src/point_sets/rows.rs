@@ -85,7 +85,7 @@ pub(crate) struct Nearest {
     pub(super) least: Vec<f64>,
     pub(super) column: Vec<u64>,
     pub(super) second: Vec<f64>,
-    /// The least by which the second least is dearer, of the rows with a column below the cutoff.
+    /// The least by which the second least is costlier, of the rows with a column below the cutoff.
     pub(super) gap: f64,
     rows: Axes,
     /// 0, 1, 2 and so on: a place is loaded sooner than it is counted.
@@ -93,7 +93,7 @@ pub(crate) struct Nearest {
 }
 
 impl Nearest {
-    /// Makes room for so many rows.
+    /// Reserves memory for so many rows.
     #[inline(always)]
     pub(super) fn start(&mut self, rows: usize) {
         let padded = rows.next_multiple_of(MAX_LANES);

@@ -19,13 +19,13 @@ pub(crate) fn lanes<V: bytemuck::Pod>(vector: &mut V) -> &mut [f64] {
     bytemuck::cast_slice_mut(std::slice::from_mut(vector))
 }
 
-/// Writes as many lanes as there is room for.
+/// Writes as many lanes as there is space for.
 #[inline(always)]
-pub(crate) fn store<V: bytemuck::Pod>(mut vector: V, room: &mut [f64]) {
+pub(crate) fn store<V: bytemuck::Pod>(mut vector: V, space: &mut [f64]) {
     let values = lanes(&mut vector);
-    match room.len() == values.len() {
-        true => room.copy_from_slice(values),
-        false => room.iter_mut().zip(values).for_each(|(to, x)| *to = *x),
+    match space.len() == values.len() {
+        true => space.copy_from_slice(values),
+        false => space.iter_mut().zip(values).for_each(|(to, x)| *to = *x),
     }
 }
 

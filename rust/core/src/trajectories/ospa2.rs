@@ -52,9 +52,9 @@ pub struct Parameters {
 pub struct Ospa2 {
     /// The distance, in the unit of the states.
     pub distance: f64,
-    /// The part owed to the distances of matched tracks.
+    /// The part due to the distances of matched tracks.
     pub localization: f64,
-    /// The part owed to the difference in cardinality.
+    /// The part due to the difference in cardinality.
     pub cardinality: f64,
 }
 

@@ -4,7 +4,7 @@
 //! d^2 = (z - p)' S^-1 (z - p) <= gate, with S the sum of the covariances of both. From
 //! |z_i - p_i| <= sqrt(gate S_ii) each gate lies in a box of latitude and longitude. The positions
 //! are sorted into bands of latitude as high as a median box, by longitude within a band; a track
-//! looks only into its stretch of the bands that its box touches, so that the cost is that of
+//! looks only into its segment of the bands that its box touches, so that the cost is that of
 //! tracks and neighbours and not of all pairs.
 //!
 //! A track whose course is nearly unknown (standard deviation above 60 deg) may have gone anywhere
@@ -157,7 +157,7 @@ impl Bands {
         while let Some(&(band, ..)) = rest.first().filter(|entry| entry.0 <= last) {
             let (row, after) = rest.split_at(rest.partition_point(|entry| entry.0 == band));
             rest = after;
-            for (from, to) in stretches(longitude, east) {
+            for (from, to) in segments(longitude, east) {
                 let start = row.partition_point(|entry| entry.1 < from);
                 row[start..].iter().take_while(|entry| entry.1 <= to).for_each(|e| visit(e.2));
             }
@@ -165,8 +165,8 @@ impl Bands {
     }
 }
 
-/// The stretch of longitudes within `reach`, cut where it crosses the antimeridian.
-fn stretches(longitude: f64, reach: f64) -> [(f64, f64); 2] {
+/// The segment of longitudes within `reach`, cut where it crosses the antimeridian.
+fn segments(longitude: f64, reach: f64) -> [(f64, f64); 2] {
     let (none, all) = ((1.0, 0.0), (-180.0, 180.0));
     let (from, to) = (longitude - reach, longitude + reach);
     if reach >= 180.0 {

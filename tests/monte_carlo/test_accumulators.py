@@ -11,6 +11,9 @@ from scipy import stats
 
 import trackmetrics
 from trackmetrics import _native, _numpy
+from trackmetrics._distributions import clopper_pearson
+from trackmetrics.diagnostics import diagnose
+from trackmetrics.logs import EstimatorLog
 from trackmetrics.monte_carlo import (
     ConsistencyAccumulator,
     LabelAccumulator,
@@ -19,8 +22,8 @@ from trackmetrics.monte_carlo import (
     sweep,
 )
 from trackmetrics.monte_carlo.accumulators.histogram import edges
-from trackmetrics.monte_carlo.consistency_summary import _honest, clopper_pearson
-from trackmetrics.monte_carlo.run_tree import RunTree, canonical
+from trackmetrics.monte_carlo.consistency_summary import _expected_decibels
+from trackmetrics.monte_carlo.run_tree import RunTree, dyadic_blocks
 from trackmetrics.monte_carlo.serialization import MAGIC
 
 
@@ -73,7 +76,7 @@ def node(values, first, start, level):
 @given(st.integers(0, 40), st.integers(0, 60), st.integers(1, 3), st.integers(0, 2**32 - 1))
 def test_the_nodes_of_a_batch_are_the_definition(first, runs, columns, seed):
     values = np.random.default_rng(seed).normal(size=(runs, columns)) * 10.0 ** np.arange(columns)
-    expected = [node(values, first, *n) for n in canonical(first, first + runs)]
+    expected = [node(values, first, *n) for n in dyadic_blocks(first, first + runs)]
     for kernels in (_native, _numpy):
         found = kernels.run_sums(values, first)
         assert found.shape == (len(expected), columns)
@@ -82,7 +85,7 @@ def test_the_nodes_of_a_batch_are_the_definition(first, runs, columns, seed):
 
 @given(st.integers(0, 10**6), st.integers(0, 10**6))
 def test_canonical_nodes_are_few_and_cover_the_interval(first, runs):
-    nodes = list(canonical(first, first + runs))
+    nodes = list(dyadic_blocks(first, first + runs))
     assert len(nodes) <= 2 * max(1, math.ceil(math.log2(runs + 1)))
     at = first
     for start, level in nodes:
@@ -152,9 +155,9 @@ def test_every_statistic_is_its_definition():
     s = result.states
     assert result.anees == pytest.approx(q.mean(0) / 3, rel=1e-9)
     assert result.rmse == pytest.approx(np.sqrt((e**2).mean(0)), rel=1e-9)
-    assert s.bias == pytest.approx(e.mean(0), rel=1e-9)
+    assert s.bias == pytest.approx(-e.mean(0), rel=1e-9)  # estimate minus truth
     z = e / np.sqrt(np.einsum("rtjj->rtj", batch["covariances"]))
-    assert s.normalized_mean_error == pytest.approx(z.mean(0), rel=1e-9)
+    assert s.normalized_mean_error == pytest.approx(-z.mean(0), rel=1e-9)
     assert s.deviation == pytest.approx(q.std(0, ddof=1) / np.sqrt(6), rel=1e-9)
     for level in (0.5, 0.9, 0.95, 0.99):
         share = (q <= stats.chi2.ppf(level, 3)).mean(0)
@@ -188,7 +191,7 @@ def test_innovations_that_were_not_measured_do_not_count():
     st.sampled_from([1e-12, 1.0, 1e12]),
     st.booleans(),
 )
-def test_kernel_and_twin_agree(d, steps, runs, seed, scale, innovations):
+def test_kernel_and_reference_agree(d, steps, runs, seed, scale, innovations):
     rng = np.random.default_rng(seed)
     truth, estimates = rng.normal(size=(2, runs, steps, d)) * scale
     root = rng.normal(size=(runs, steps, d, d)) + 3 * np.sqrt(d) * np.eye(d)
@@ -199,13 +202,13 @@ def test_kernel_and_twin_agree(d, steps, runs, seed, scale, innovations):
     periods = np.where(rng.random(d) < 0.3, scale, 0.0)
     arguments = (truth, estimates, covariances, periods, 3, 1.0, np.array([1.0, 5.0]))
     native = _native.consistency_sums(*arguments)
-    twin = _numpy.consistency_sums(*arguments)
-    for ours, theirs in zip(native, twin, strict=True):
+    reference = _numpy.consistency_sums(*arguments)
+    for ours, theirs in zip(native, reference, strict=True):
         assert ours.shape == theirs.shape
         assert ours.dtype == theirs.dtype
-    for ours, theirs in zip(native[:2], twin[:2], strict=True):
+    for ours, theirs in zip(native[:2], reference[:2], strict=True):
         assert np.allclose(ours, theirs, rtol=1e-9, atol=1e-9 * max(scale**2, 1.0))
-    assert np.array_equal(native[2][0], twin[2][0])
+    assert np.array_equal(native[2][0], reference[2][0])
 
 
 @pytest.mark.parametrize("steps", [1, 7, 13])
@@ -267,7 +270,37 @@ def test_angles_are_wrapped():
     accumulator.update(batch, 0)
     result = accumulator.result()
     assert result.anees[0] * 2 == pytest.approx((5 + 180**2) / 2)
-    assert result.states.bias[0].tolist() == [0.5, (-2 + 180) / 2]
+    assert result.states.bias[0].tolist() == [-0.5, (2 - 180) / 2]
+
+
+def test_bias_is_estimate_minus_truth_in_a_sweep_and_in_a_diagnosis():
+    rng = np.random.default_rng(3)
+    truth = np.cumsum(rng.normal(size=(400, 2)), axis=0)
+    estimates = truth + 1.0 + rng.normal(size=(400, 2))
+    covariances = np.tile(np.eye(2), (400, 1, 1))
+    accumulator = ConsistencyAccumulator()
+    batch = {"truth": truth, "estimates": estimates, "covariances": covariances}
+    accumulator.update({name: array[None] for name, array in batch.items()}, 0)
+    states = accumulator.result().states
+    log = EstimatorLog.from_columns(
+        time=np.arange(400.0), x=estimates, P=covariances, truth=truth, A=np.zeros((400, 2, 2))
+    )
+    (track,) = diagnose(log).values()
+    assert [bias.value for bias in track.biases] == pytest.approx(states.bias.mean(0), abs=0.01)
+    assert states.bias.mean(0) == pytest.approx([1.0, 1.0], abs=0.15)
+    assert states.normalized_mean_error.mean(0) == pytest.approx([1.0, 1.0], abs=0.15)
+    assert trackmetrics.normalized_mean_error(estimates - truth, np.eye(2)).value == pytest.approx(
+        states.bias.mean(0)
+    )
+
+
+def test_the_bias_of_innovations_is_their_mean():
+    accumulator = ConsistencyAccumulator()
+    innovations = np.full((5, 3, 1), 0.5)
+    covariances = np.ones((5, 3, 1, 1))
+    batch = {"innovations": innovations, "innovation_covariances": covariances}
+    accumulator.update(batch, 0)
+    assert accumulator.result().innovations.bias.ravel().tolist() == [0.5] * 3
 
 
 def test_what_cannot_be_accumulated_says_why():
@@ -284,8 +317,8 @@ def test_what_cannot_be_accumulated_says_why():
     with pytest.raises(ValueError, match=r"other shapes: states is \[2, 3\], expected \[5, 3\]"):
         accumulator.update({k: v[:, :2] for k, v in part(BATCH, 0, 3).items()}, 20)
     with pytest.raises(ValueError, match=r"other settings: levels is \[0.5\], expected"):
-        accumulator.merge(ConsistencyAccumulator(levels=[0.5]))
-    with pytest.raises(TypeError, match="cannot take in a ScoreAccumulator"):
+        accumulator.merge(ConsistencyAccumulator(probabilities=[0.5]))
+    with pytest.raises(TypeError, match="cannot merge a ScoreAccumulator into a"):
         accumulator.merge(ScoreAccumulator())
     with pytest.raises(ValueError, match="first_run must be a whole number, at least 0, got -1"):
         accumulator.update(part(BATCH, 0, 10), -1)
@@ -317,8 +350,8 @@ def test_damaged_bytes_are_refused(damage, message):
 
 @given(st.integers(1, 9))
 @settings(max_examples=9)
-def test_what_an_honest_filter_expects_in_decibels(d):
-    mean, variance, distance = _honest(d)
+def test_what_a_consistent_filter_expects_in_decibels(d):
+    mean, variance, distance = _expected_decibels(d)
     q = stats.chi2(d).ppf((np.arange(400_000) + 0.5) / 400_000)
     b = 10 * np.log10(q)
     assert mean == pytest.approx(b.mean(), abs=2e-3)
@@ -328,7 +361,7 @@ def test_what_an_honest_filter_expects_in_decibels(d):
 
 def test_coverage_intervals_are_clopper_pearson():
     hits, runs = np.array([0, 3, 10, 0]), np.array([10, 10, 10, 0])
-    found = clopper_pearson(hits, runs, 0.95)
+    found = np.stack(clopper_pearson(hits, runs, 0.95), -1)
     for (low, high), k, n in zip(found[:3], hits, runs, strict=False):
         exact = stats.binomtest(int(k), int(n)).proportion_ci(0.95, "exact")
         assert (low, high) == pytest.approx((exact.low, exact.high), abs=1e-12)
@@ -368,7 +401,7 @@ def test_scores_keep_blocks_however_they_come(level, runs, cuts, random):
         assert scores.means()["x"] == pytest.approx(np.nanmean(values), rel=1e-9, abs=1e-12)
     fine = ScoreAccumulator(0)
     fine.update({"x": values}, 0)
-    fine.coarsen(level)
+    fine.merge_blocks(level)
     assert fine.to_bytes() == whole.to_bytes()
 
 
@@ -488,3 +521,10 @@ def test_nodes_stay_few():
         tree.add(run, 0, np.zeros(1))
         assert len(list(tree)) <= 10
     assert len(tree) == 1000
+
+
+def test_a_mean_innovation_is_measurement_minus_prediction():
+    filters = ConsistencyAccumulator()
+    S = np.ones((4, 1, 1, 1))
+    filters.update({"innovations": np.full((4, 1, 1), 2.0), "innovation_covariances": S}, 0)
+    assert filters.result().innovations.bias.tolist() == [[2.0]]
