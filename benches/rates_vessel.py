@@ -28,9 +28,9 @@ WANTED = {
     ("consistent", "SS Northern Star0", "onset 6780 s"): 195,
     ("consistent", "SS Iron Aurora1", "consistent"): 190,
     ("consistent", "MV Iron Falcon2", "startup_then_consistent"): 165,
-    ("article", "SS Northern Star0", "late_divergence"): 195,
-    ("article", "SS Iron Aurora1", "pessimistic"): 190,
-    ("article", "MV Iron Falcon2", "startup_then_pessimistic"): 184,
+    ("published", "SS Northern Star0", "late_divergence"): 195,
+    ("published", "SS Iron Aurora1", "pessimistic"): 190,
+    ("published", "MV Iron Falcon2", "startup_then_pessimistic"): 184,
 }
 
 
@@ -79,7 +79,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--save", action="store_true")
     options = parser.parse_args()
-    found = counts("consistent", options.seeds) + counts("article", options.seeds)
+    found = counts("consistent", options.seeds) + counts("published", options.seeds)
     lines = [
         f"# Verdicts of the three ships over {options.seeds} seeds\n",
         "Written by `benches/rates_vessel.py`; wanted of 200.\n",

@@ -14,7 +14,7 @@ TEN_MINUTES = range(0, 600, 60)
 
 @pytest.fixture
 def native():
-    """For tests of statistics: the twin gives the same numbers, a hundred times later."""
+    """For tests of statistics: the reference gives the same numbers, a hundred times later."""
     with trackmetrics.use_backend("native"):
         yield
 
@@ -62,11 +62,11 @@ def _outer(p):
     return d[:, :, None] * d[:, None, :]
 
 
-# ------------------------------------------------------------------ honesty
+# ------------------------------------------------------------------ consistency
 
 
 @pytest.mark.usefixtures("native")
-def test_the_honest_filter_is_honest():
+def test_the_consistent_filter_is_expected_decibels():
     """200 vessels: NIS/dof and NEES/5 are 1 within four standard errors of independent ones."""
     log = vessel.fleet(200, duration=5400.0, interval=(60.0, 300.0), seed=3).track()
     active = log.columns.status == "active"
@@ -89,12 +89,12 @@ def test_manoeuvres_and_outages_are_found_out():
 @pytest.mark.parametrize(
     ("noise", "falcon", "aurora"),
     [
-        ("honest", "startup_then_consistent", "consistent"),
-        ("article", "startup_then_pessimistic", "pessimistic"),
+        ("consistent", "startup_then_consistent", "consistent"),
+        ("published", "startup_then_pessimistic", "pessimistic"),
     ],
 )
 def test_the_three_ships_fail_as_published(noise, falcon, aurora):
-    """20 of the 200 seeds of ``benches/rates_vessel.py``, with what its rates leave to chance."""
+    """20 of the 200 seeds of ``benches/rates_vessel.py``, with the sampling error of its rates."""
     found = [diagnose(vessel.three_ships(seed, noise).track()) for seed in range(20)]
     northern = [d["SS Northern Star0"] for d in found]
     assert sum(d.verdict == "late_divergence" for d in northern) >= 19
@@ -136,10 +136,10 @@ def test_a_seed_gives_one_run():
 
 def test_both_backends_track_alike():
     with trackmetrics.use_backend("numpy"):
-        twin = vessel.three_ships(2).track()
+        reference = vessel.three_ships(2).track()
     with trackmetrics.use_backend("native"):
         ours = vessel.three_ships(2).track()
-    assert np.allclose(ours.columns.nis, twin.columns.nis, rtol=1e-6, equal_nan=True)
+    assert np.allclose(ours.columns.nis, reference.columns.nis, rtol=1e-6, equal_nan=True)
 
 
 # ------------------------------------------------------------------ the life of a track
@@ -383,7 +383,7 @@ def held_out(run, seconds, settings):
 
 
 @pytest.mark.usefixtures("native")
-def test_honest_filters_fail_the_test_of_their_predictions_as_often_as_it_says():
+def test_consistent_filters_fail_the_test_of_their_predictions_as_often_as_it_says():
     """1000 ships with full AIS: 5 %, half of them on either side; 500 with mixed kinds: 6.5 %."""
     found = []
     for interval, seconds in ((30.0, 120), (10.0, 300)):
@@ -490,7 +490,7 @@ def test_other_arguments_that_cannot_be():
         Noise(np.nan)
     with pytest.raises(ValueError, match="lat has 2 reports, time has 1"):
         Reports.from_columns(time=[0], lat=[1, 2], lon=[1])
-    with pytest.raises(ValueError, match="noise must be 'honest' or 'article', got 'loud'"):
+    with pytest.raises(ValueError, match="noise must be 'consistent' or 'published', got 'loud'"):
         vessel.three_ships(0, "loud")
     with pytest.raises(ValueError, match="ships must be at least 1, got 0"):
         vessel.fleet(0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from trackmetrics._angles import wrap
-from trackmetrics.vessel import Noise, Reports, Settings, Tracker, simulate
+from trackmetrics.vessel import Noise, Reports, Settings, Tracker, simulate, three_ships
 from trackmetrics.vessel.simulation import Ship
 
 BASE = {
@@ -102,3 +102,11 @@ def test_a_simulated_ship_is_checked():
     ship = Ship("a", (50.0, 1.0, 10.0, 90.0), (0.0, 60.0), (0, 0))
     run = simulate([ship], Settings(), {"a": Settings()}, begin=0.0, end=100.0, seed=0)
     assert len(run.reports["a"]) == 2
+
+
+def test_the_old_names_of_the_noise_are_read():
+    with pytest.warns(DeprecationWarning, match=r"is now three_ships\(noise='published'\)"):
+        old = three_ships(1, "article")
+    new = three_ships(1, "published")
+    ship = "MV Iron Falcon2"
+    assert np.array_equal(old.reports[ship].z, new.reports[ship].z, equal_nan=True)

@@ -1,4 +1,4 @@
-"""The vessel estimator's kernels: Rust, NumPy twin and definition."""
+"""The vessel estimator's kernels: Rust, NumPy reference and definition."""
 
 import numpy as np
 import pytest
@@ -63,11 +63,11 @@ def states(draw, n):
 def test_predictions_agree(state, motion, longest):
     x, p = state
     times = np.linspace(0.0, longest, len(x))
-    ours, twin = (b.vessel_predict(x, p, times, motion) for b in (_native, _numpy))
-    assert (angle_error(ours[0], twin[0]) < 1e-7).all()
-    close_covariances(ours[1], twin[1])
-    d = np.sqrt(np.einsum("nii->ni", twin[1]))
-    close(ours[2], twin[2], np.abs(twin[2]) + d[:, :, None] / d[:, None, :], rel=1e-7)
+    ours, reference = (b.vessel_predict(x, p, times, motion) for b in (_native, _numpy))
+    assert (angle_error(ours[0], reference[0]) < 1e-7).all()
+    close_covariances(ours[1], reference[1])
+    d = np.sqrt(np.einsum("nii->ni", reference[1]))
+    close(ours[2], reference[2], np.abs(reference[2]) + d[:, :, None] / d[:, None, :], rel=1e-7)
     moved = [b.vessel_advance(x, times, motion) for b in (_native, _numpy)]
     assert (angle_error(moved[0], moved[1]) < 1e-7).all()
     assert (angle_error(moved[0], ours[0]) < 1e-9).all()
@@ -150,17 +150,17 @@ def empty(tracks):
 @given(reports(), MOTIONS, RULES)
 def test_filters_agree(batch, motion, rules):
     state = empty(len(batch[0]) - 1)
-    ours, twin = (b.vessel_filter(*state, *batch, motion, rules) for b in (_native, _numpy))
-    assert ours[1][0].tolist() == twin[1][0].tolist()
-    assert ours[1][1].tolist() == twin[1][1].tolist()
-    close(ours[0][0], twin[0][0])
+    ours, reference = (b.vessel_filter(*state, *batch, motion, rules) for b in (_native, _numpy))
+    assert ours[1][0].tolist() == reference[1][0].tolist()
+    assert ours[1][1].tolist() == reference[1][1].tolist()
+    close(ours[0][0], reference[0][0])
     # Where an update shrinks a variance a million times, so it does the digits that are left of it.
     for k in (3, 5, 6, 9):
-        close_covariances(np.nan_to_num(ours[1][k]), np.nan_to_num(twin[1][k]), rel=1e-5)
-        assert (np.isnan(ours[1][k]) == np.isnan(twin[1][k])).all()
-    close(ours[1][7], twin[1][7], np.abs(twin[1][7]) + 1e-2, rel=1e-4)
+        close_covariances(np.nan_to_num(ours[1][k]), np.nan_to_num(reference[1][k]), rel=1e-5)
+        assert (np.isnan(ours[1][k]) == np.isnan(reference[1][k])).all()
+    close(ours[1][7], reference[1][7], np.abs(reference[1][7]) + 1e-2, rel=1e-4)
     for k in (2, 8):
-        assert (np.nan_to_num(angle_error(ours[1][k], twin[1][k])) < 1e-3).all()
+        assert (np.nan_to_num(angle_error(ours[1][k], reference[1][k])) < 1e-3).all()
     assert np.isfinite(ours[1][8][ours[1][0] > 0]).all()
     assert np.isfinite(ours[1][9][ours[1][0] > 0]).all()
     assert np.isfinite(ours[1][7][ours[1][0] == 3]).all()
@@ -203,11 +203,11 @@ def test_gates_are_those_of_all_pairs(state, motion, seed, longest):
     sigmas = rng.choice([10.0, 500.0], 30)
     gate = float(chi2.ppf(0.999, 2))
     arguments = (x, p, times, z, sigmas, gate, motion)
-    ours, twin = _native.vessel_gate(*arguments), _numpy.vessel_gate(*arguments)
-    assert ours[0].tolist() == twin[0].tolist()
-    assert ours[1].tolist() == twin[1].tolist()
-    close(ours[2], twin[2], np.abs(twin[2]) + 1.0, rel=1e-6)
-    close(ours[3], twin[3], np.abs(twin[3]), rel=1e-6)
+    ours, reference = _native.vessel_gate(*arguments), _numpy.vessel_gate(*arguments)
+    assert ours[0].tolist() == reference[0].tolist()
+    assert ours[1].tolist() == reference[1].tolist()
+    close(ours[2], reference[2], np.abs(reference[2]) + 1.0, rel=1e-6)
+    close(ours[3], reference[3], np.abs(reference[3]), rel=1e-6)
 
 
 def one(**change):

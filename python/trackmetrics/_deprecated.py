@@ -32,6 +32,9 @@ RENAMED: dict[str, str] = {
 }
 """Old name: new name, both in full."""
 
+RENAMED_NOISE = {"honest": "consistent", "article": "published"}
+"""Old and new values of the argument ``noise`` of ``vessel.three_ships``."""
+
 
 def warn(old: str, new: str, stacklevel: int = 3) -> None:
     """Say that ``old`` is now called ``new``."""

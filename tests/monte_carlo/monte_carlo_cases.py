@@ -17,7 +17,7 @@ from trackmetrics.monte_carlo.setting_state import SettingState
 GRID = {"claimed": [0.5, 1.0, 2.0]}
 
 
-def honest(rng, claimed=1.0, steps=6, seconds=0.0):
+def consistent(rng, claimed=1.0, steps=6, seconds=0.0):
     """Errors of unit variance that claim ``claimed``; every third innovation is missing."""
     if seconds:
         time.sleep(seconds)
@@ -35,13 +35,13 @@ def honest(rng, claimed=1.0, steps=6, seconds=0.0):
 
 
 def scaled(rng, claimed=1.0, steps=6):
-    """As ``honest``, always of six steps: ``steps`` scales nothing that is judged."""
-    return honest(rng, claimed) | {"steps": steps}
+    """As ``consistent``, always of six steps: ``steps`` scales nothing that is judged."""
+    return consistent(rng, claimed) | {"steps": steps}
 
 
 def failing(rng, claimed=1.0):
     """Fails in about one run of ten."""
-    output = honest(rng, claimed)
+    output = consistent(rng, claimed)
     if rng.random() < 0.1:
         raise ArithmeticError("the filter diverged")
     if rng.random() < 0.1:
@@ -51,7 +51,7 @@ def failing(rng, claimed=1.0):
 
 def slow(rng, claimed=1.0):
     """A run of two milliseconds."""
-    return honest(rng, claimed, seconds=0.002)
+    return consistent(rng, claimed, seconds=0.002)
 
 
 def once_deadly(rng, folder, pid):
@@ -60,7 +60,7 @@ def once_deadly(rng, folder, pid):
     if rng.random() < 0.05 and os.getpid() != pid and not mark.exists():
         mark.touch()
         os._exit(9)
-    return honest(rng)
+    return consistent(rng)
 
 
 def cheap(rng):
@@ -76,7 +76,7 @@ def kill_at_random_moments(folder, kills):
     fork, moments = multiprocessing.get_context("fork"), random.Random(1)
     arguments = (folder, 300)
     done = []
-    sweep(honest, 2, seed=1, progress=False)  # imports what the children need
+    sweep(consistent, 2, seed=1, progress=False)  # imports what the children need
     for _ in range(int(kills)):
         child = fork.Process(target=_one_sweep, args=arguments)
         child.start()

@@ -191,7 +191,7 @@ def test_innovations_that_were_not_measured_do_not_count():
     st.sampled_from([1e-12, 1.0, 1e12]),
     st.booleans(),
 )
-def test_kernel_and_twin_agree(d, steps, runs, seed, scale, innovations):
+def test_kernel_and_reference_agree(d, steps, runs, seed, scale, innovations):
     rng = np.random.default_rng(seed)
     truth, estimates = rng.normal(size=(2, runs, steps, d)) * scale
     root = rng.normal(size=(runs, steps, d, d)) + 3 * np.sqrt(d) * np.eye(d)
@@ -202,13 +202,13 @@ def test_kernel_and_twin_agree(d, steps, runs, seed, scale, innovations):
     periods = np.where(rng.random(d) < 0.3, scale, 0.0)
     arguments = (truth, estimates, covariances, periods, 3, 1.0, np.array([1.0, 5.0]))
     native = _native.consistency_sums(*arguments)
-    twin = _numpy.consistency_sums(*arguments)
-    for ours, theirs in zip(native, twin, strict=True):
+    reference = _numpy.consistency_sums(*arguments)
+    for ours, theirs in zip(native, reference, strict=True):
         assert ours.shape == theirs.shape
         assert ours.dtype == theirs.dtype
-    for ours, theirs in zip(native[:2], twin[:2], strict=True):
+    for ours, theirs in zip(native[:2], reference[:2], strict=True):
         assert np.allclose(ours, theirs, rtol=1e-9, atol=1e-9 * max(scale**2, 1.0))
-    assert np.array_equal(native[2][0], twin[2][0])
+    assert np.array_equal(native[2][0], reference[2][0])
 
 
 @pytest.mark.parametrize("steps", [1, 7, 13])
@@ -350,7 +350,7 @@ def test_damaged_bytes_are_refused(damage, message):
 
 @given(st.integers(1, 9))
 @settings(max_examples=9)
-def test_what_an_honest_filter_expects_in_decibels(d):
+def test_what_a_consistent_filter_expects_in_decibels(d):
     mean, variance, distance = _expected_decibels(d)
     q = stats.chi2(d).ppf((np.arange(400_000) + 0.5) / 400_000)
     b = 10 * np.log10(q)

@@ -48,11 +48,11 @@ def cases_say(*words):
 
 @pytest.fixture(scope="module")
 def whole():
-    return sweep(cases.honest, RUNS, seed=7, grid=cases.GRID, progress=False)
+    return sweep(cases.consistent, RUNS, seed=7, grid=cases.GRID, progress=False)
 
 
 def again(**options):
-    return sweep(cases.honest, RUNS, seed=7, grid=cases.GRID, progress=False, **options)
+    return sweep(cases.consistent, RUNS, seed=7, grid=cases.GRID, progress=False, **options)
 
 
 @pytest.mark.parametrize("chunk", [1, 7, 1000])
@@ -76,14 +76,14 @@ def test_an_executor_of_ones_own_stays_open(whole):
 def test_a_checkpoint_is_gone_on_from(whole, tmp_path):
     path = tmp_path / "s.ckpt"
     first = sweep(
-        cases.honest, 25, seed=7, grid=cases.GRID, progress=False, checkpoint=path, chunk=3
+        cases.consistent, 25, seed=7, grid=cases.GRID, progress=False, checkpoint=path, chunk=3
     )
     assert first.completed_runs == [25] * 3
     resumed = again(checkpoint=path, chunk=10)
     assert resumed.to_bytes() == whole.to_bytes()
     told = []
     ended = sweep(
-        cases.honest, RUNS, seed=7, grid=cases.GRID, checkpoint=path,
+        cases.consistent, RUNS, seed=7, grid=cases.GRID, checkpoint=path,
         progress=lambda *now: told.append(now),
     )  # fmt: skip
     assert told == []
@@ -96,13 +96,13 @@ def test_a_checkpoint_is_gone_on_from(whole, tmp_path):
         ({"seed": 8}, "seed was 7, is 8"),
         ({"grid": {"claimed": [0.5, 1.0, 3.0]}}, "grid was .*'2.0'.* is .*'3.0'"),
         ({"version": "b"}, "version was 'a', is 'b'"),
-        ({"simulate": cases.failing}, "simulate was '.*honest', is '.*failing'"),
+        ({"simulate": cases.failing}, "simulate was '.*consistent', is '.*failing'"),
         ({"angles": {1: 360.0}}, "angles was None, is"),
         ({"runs": 10}, "the checkpoint already holds 20 runs, more than runs=10"),
     ],
 )
 def test_a_checkpoint_of_another_sweep_is_refused(tmp_path, changes, message):
-    arguments = {"simulate": cases.honest, "runs": 20, "seed": 7, "grid": cases.GRID}
+    arguments = {"simulate": cases.consistent, "runs": 20, "seed": 7, "grid": cases.GRID}
     arguments |= {"version": "a", "checkpoint": tmp_path / "c", "progress": False}
     sweep(**arguments)
     with pytest.raises(ValueError, match=message):
@@ -111,11 +111,11 @@ def test_a_checkpoint_of_another_sweep_is_refused(tmp_path, changes, message):
 
 def test_a_checkpoint_of_another_release_or_backend_is_refused(tmp_path):
     arguments = {"seed": 7, "checkpoint": tmp_path / "c", "progress": False}
-    sweep(cases.honest, 5, **arguments)
+    sweep(cases.consistent, 5, **arguments)
     header = tmp_path / "c" / "sweep.json"
     header.write_text(header.read_text().replace(trackmetrics.__version__, "0.0.9"))
     with pytest.raises(ValueError, match=r"trackmetrics was '0\.0\.9', is"):
-        sweep(cases.honest, 5, **arguments)
+        sweep(cases.consistent, 5, **arguments)
     header.write_text(header.read_text().replace("0.0.9", trackmetrics.__version__))
     ours = trackmetrics.backend()
     other = {"native": "numpy", "numpy": "native"}[ours]
@@ -123,26 +123,26 @@ def test_a_checkpoint_of_another_release_or_backend_is_refused(tmp_path):
         trackmetrics.use_backend(other),
         pytest.raises(ValueError, match=f"backend was '{ours}', is '{other}'"),
     ):
-        sweep(cases.honest, 5, **arguments)
+        sweep(cases.consistent, 5, **arguments)
 
 
 def test_what_is_no_checkpoint_is_left_alone(tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(ValueError, match="a folder with other things in it"):
-        sweep(cases.honest, 5, seed=1, checkpoint=tmp_path, progress=False)
+        sweep(cases.consistent, 5, seed=1, checkpoint=tmp_path, progress=False)
     with pytest.raises(ValueError, match="is a file, expected a folder or nothing"):
-        sweep(cases.honest, 5, seed=1, checkpoint=tmp_path / "notes.txt", progress=False)
+        sweep(cases.consistent, 5, seed=1, checkpoint=tmp_path / "notes.txt", progress=False)
 
 
 def test_a_damaged_file_is_named(tmp_path):
     arguments = {"seed": 7, "checkpoint": tmp_path / "c", "progress": False}
-    whole = sweep(cases.honest, 30, **arguments)
+    whole = sweep(cases.consistent, 30, **arguments)
     file = tmp_path / "c" / "0000.tally"
     file.write_bytes(file.read_bytes()[:-3])
     with pytest.raises(ValueError, match=r"0000\.tally: these bytes are damaged or cut short"):
-        sweep(cases.honest, 30, **arguments)
+        sweep(cases.consistent, 30, **arguments)
     file.unlink()
-    assert sweep(cases.honest, 30, **arguments).to_bytes() == whole.to_bytes()
+    assert sweep(cases.consistent, 30, **arguments).to_bytes() == whole.to_bytes()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
@@ -179,10 +179,10 @@ def test_interrupted_in_this_process():
             raise KeyboardInterrupt
 
     with pytest.raises(SweepInterrupted, match=r"after 3\d of 300 runs") as stop:
-        sweep(cases.honest, 300, seed=7, chunk=5, progress=interrupt)
+        sweep(cases.consistent, 300, seed=7, chunk=5, progress=interrupt)
     partial = stop.value.result
     assert not partial.complete
-    full = sweep(cases.honest, sum(partial.completed_runs), seed=7, progress=False)
+    full = sweep(cases.consistent, sum(partial.completed_runs), seed=7, progress=False)
     assert partial.to_bytes() == full.to_bytes()
 
 
@@ -209,13 +209,13 @@ def test_a_run_that_fails_is_recorded_and_the_others_go_on(options):
 
 def _diverges(run):
     rng = generator(5, run)
-    cases.honest(rng)
+    cases.consistent(rng)
     return rng.random() < 0.1
 
 
 def _indefinite(run):
     rng = generator(5, run)
-    cases.honest(rng)
+    cases.consistent(rng)
     rng.random()
     return rng.random() < 0.1
 
@@ -257,7 +257,9 @@ def test_runs_must_agree_in_what_they_return():
     def growing(rng):
         steps = 3 + int(rng.random() < 0.5)
         return {
-            name: array[:steps] for name, array in cases.honest(rng).items() if name != "distance"
+            name: array[:steps]
+            for name, array in cases.consistent(rng).items()
+            if name != "distance"
         }
 
     with pytest.raises(ValueError, match=r"has shape \(\d, 2\), that of run 0|other shapes"):
@@ -278,7 +280,7 @@ def test_runs_must_agree_in_what_they_return():
     ],
 )
 def test_wrong_arguments_are_named(arguments, error, message):
-    defaults = {"simulate": cases.honest, "runs": 3, "seed": 1, "progress": False}
+    defaults = {"simulate": cases.consistent, "runs": 3, "seed": 1, "progress": False}
     with pytest.raises(error, match=message):
         sweep(**{**defaults, **arguments})
 
@@ -299,7 +301,7 @@ def test_the_random_numbers_of_a_run_belong_to_the_run(whole):
 
 
 def test_a_result_is_what_a_loop_finds(whole):
-    runs = [cases.honest(generator(7, run)) for run in range(RUNS)]
+    runs = [cases.consistent(generator(7, run)) for run in range(RUNS)]
     e = np.array([run["truth"] - run["estimates"] for run in runs])
     q = (e**2).sum(-1)
     assert whole.anees == pytest.approx(q.mean(0) / 2 / np.array([[0.5], [1.0], [2.0]]), rel=1e-12)
@@ -332,7 +334,7 @@ def test_tables_are_tidy(whole, tmp_path):
     assert whole.to_dict()["settings"]["claimed"] == [0.5, 1.0, 2.0]
 
 
-def test_the_best_setting_by_honesty(whole):
+def test_the_best_setting_by_consistency(whole):
     best = whole.best()
     assert best.settings == {"claimed": 1.0}
     assert best.interval[0] == 0.0 <= best.value <= best.interval[1]
@@ -379,7 +381,7 @@ def test_accumulators_of_runs_are_merged():
         _ = result.anees
 
 
-def test_an_honest_filter_lies_in_its_interval_as_often_as_it_should():
+def test_a_consistent_filter_lies_in_its_interval_as_often_as_it_should():
     """ANEES of one step over 10 runs, in 2000 small sweeps: 95 % +- 2."""
     inside = 0
     for seed in range(2000):
@@ -399,9 +401,9 @@ def _one_step(rng):
 
 def test_a_bar_is_shown_where_someone_watches(monkeypatch, capsys):
     told = []
-    sweep(cases.honest, 12, seed=1, chunk=5, progress=lambda *now: told.append(now))
+    sweep(cases.consistent, 12, seed=1, chunk=5, progress=lambda *now: told.append(now))
     assert told == [(5, 12), (10, 12), (12, 12)]
-    sweep(cases.honest, 3, seed=1, progress=True)
+    sweep(cases.consistent, 3, seed=1, progress=True)
     assert "run" not in capsys.readouterr().out
 
 
@@ -457,6 +459,6 @@ def test_a_result_can_be_kept(whole):
     ],
 )
 def test_the_wrong_argument_is_named(changes, message):
-    arguments = {"simulate": cases.honest, "runs": 3, "seed": 1, "progress": False} | changes
+    arguments = {"simulate": cases.consistent, "runs": 3, "seed": 1, "progress": False} | changes
     with pytest.raises((TypeError, ValueError), match=f"^{message}$"):
         sweep(**arguments)

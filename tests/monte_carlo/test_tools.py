@@ -21,7 +21,7 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 import monte_carlo_cases as cases  # noqa: E402
 
-NAME = "monte_carlo_cases:honest"
+NAME = "monte_carlo_cases:consistent"
 EXAMPLE = HERE.parent.parent / "examples" / "tune_cv_filter.py"
 
 
@@ -65,7 +65,7 @@ def test_the_command_writes_json_parquet_and_a_page(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["honest"], "expected MODULE:FUNCTION, got 'honest'"),
+        (["consistent"], "expected MODULE:FUNCTION, got 'consistent'"),
         (["no_such_module:f"], "No module named 'no_such_module'"),
         (["monte_carlo_cases:f"], "monte_carlo_cases has no f"),
         ([NAME, "--grid", "claimed"], "--grid expects NAME=VALUE,..., got 'claimed'"),
@@ -90,7 +90,7 @@ def test_values_of_a_grid_are_literals_or_words():
 @pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize("backend", ["matplotlib", "plotly"])
 def test_figures_are_drawn_by_both_libraries(two_parameters, backend, dark):
-    one = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
+    one = sweep(cases.consistent, 20, seed=1, grid=cases.GRID, progress=False)
     options = {"backend": backend, "dark": dark}
     assert sweep_figure(one, states=["east, m", "north, m"], step=0.5, **options) is not None
     assert heatmap_figure(two_parameters, "claimed", "steps", **options) is not None
@@ -106,7 +106,7 @@ def test_rows_of_another_kind_are_refused(two_parameters):
 
 
 def test_wrong_figures_are_named(two_parameters):
-    one = sweep(cases.honest, 3, seed=1, progress=False)
+    one = sweep(cases.consistent, 3, seed=1, progress=False)
     with pytest.raises(ValueError, match="states has 3 names, the filter has 2"):
         sweep_figure(one, states=["a", "b", "c"])
     with pytest.raises(ValueError, match=r"settings must be of the 1 of the grid, got \[1\]"):
@@ -117,7 +117,7 @@ def test_wrong_figures_are_named(two_parameters):
         heatmap_figure(two_parameters, "claimed", "steps", "ospa")
 
 
-def test_the_honest_region_is_outlined(two_parameters):
+def test_the_consistent_region_is_outlined(two_parameters):
     (panel,) = heatmap_scene(two_parameters, "claimed", "steps", "nees").panels
     lines = [primitive for primitive in panel.primitives if type(primitive).__name__ == "Line"]
     assert len(lines) == 6  # the column of claimed=1 is one by two cells
@@ -125,9 +125,9 @@ def test_the_honest_region_is_outlined(two_parameters):
     assert len(_outline({(0, 0), (1, 0)})) == 6
 
 
-def test_the_settings_nearest_to_honest_are_drawn():
+def test_the_settings_nearest_to_consistent_are_drawn():
     grid = {"claimed": [8.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.9, 0.8, 0.7, 0.6]}
-    result = sweep(cases.honest, 20, seed=1, grid=grid, progress=False)
+    result = sweep(cases.consistent, 20, seed=1, grid=grid, progress=False)
     drawn = {
         primitive.name
         for primitive in sweep_scene(result).panels[0].primitives
@@ -142,7 +142,7 @@ def test_the_settings_nearest_to_honest_are_drawn():
     }
 
 
-def test_honest_scores_are_red_above_one_and_blue_below(two_parameters):
+def test_consistent_scores_are_red_above_one_and_blue_below(two_parameters):
     (panel,) = heatmap_scene(two_parameters, "claimed", "steps", "nees").panels
     colours = {float(m.name) > 1: m.colour.partition("/")[0] for m in panel.primitives
                if isinstance(m, Rects)}  # fmt: skip
@@ -150,7 +150,7 @@ def test_honest_scores_are_red_above_one_and_blue_below(two_parameters):
 
 
 def test_a_page_stands_alone():
-    result = sweep(cases.honest, 20, seed=1, grid=cases.GRID, progress=False)
+    result = sweep(cases.consistent, 20, seed=1, grid=cases.GRID, progress=False)
     page = render_sweep_page(result, title="<a & b>", best=result.best("anees"))
     addresses = []
 

@@ -1,4 +1,4 @@
-"""CLEAR MOT, identity scores and HOTA: the peers' numbers on recordings, cases and random scenes."""
+"""CLEAR MOT, identity scores and HOTA against the peers: recordings, cases, random scenes."""
 
 import itertools
 import json
@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trackmetrics.tracking import TrackFrames, clear_mot, hota, identity_scores
-from trackmetrics.tracks import Boxes, read_mot_challenge
+from trackmetrics.tracks import read_mot_challenge
 
 CLEAR = {
     **{"MOTA": "mota", "MOTP": "motp", "MODA": "moda", "CLR_Re": "recall", "CLR_Pr": "precision"},
@@ -97,13 +97,13 @@ def read_kitti(path, classes):
     return numbers[:, 0].astype(int), numbers[:, 1].astype(int), numbers[:, 2:6], numbers[:, 6:]
 
 
-def read_pair(folder, name, measure, num_frames):
+def read_pair(folder, name, measure, times):
     truth_path, track_path = (folder / file for file in PAIRS[name])
     variant = name.rpartition("__")[2]
     if not name.startswith("kitti"):
         truth, tracks = read_mot_challenge(truth_path), read_mot_challenge(track_path)
         truth = truth.counted() if variant == "conf1" else truth
-        return TrackFrames.from_boxes(truth, tracks, times=range(1, num_frames + 1))
+        return TrackFrames.from_boxes(truth, tracks, times=times)
     if variant == "Car":
         truth, tracks = read_kitti(truth_path, ["Car"]), read_kitti(track_path, ["Car"])
     else:
@@ -118,7 +118,7 @@ def read_pair(folder, name, measure, num_frames):
         truth_positions=truth[3] if positions else None,
         track_positions=tracks[3] if positions else None,
         box_format="ltrb",
-        times=range(num_frames),
+        times=times,
     )
 
 
@@ -129,10 +129,14 @@ def test_recordings_have_the_peers_numbers(data, name, peer):
     values = json.loads((data / f"mot/values/{name}.{peer}.json").read_text())
     measures = [measure for measure in MEASURES if measure in values]
     assert len(measures) == (3 if name.endswith("Car") else 2)
+    counts = values["counts"]
+    times = range(counts["first_frame"], counts["first_frame"] + counts["num_frames"])
+    if peer == "motmetrics" and name.startswith("kitti"):
+        times = None  # py-motmetrics was given the frames that have a row
     for measure in measures:
-        frames = read_pair(data / "mot", name, measure, values["counts"]["num_frames"])
-        assert len(frames.truth) == values["counts"]["n_gt_rows"]
-        assert len(frames.tracks) == values["counts"]["n_result_rows"]
+        frames = read_pair(data / "mot", name, measure, times)
+        assert len(frames.truth) == counts["n_gt_rows"]
+        assert len(frames.tracks) == counts["n_result_rows"]
         similarity, threshold = MEASURES[measure]
         check = assert_trackeval if peer == "trackeval" else assert_motmetrics
         check(frames, values[measure], similarity=similarity, threshold=threshold)
@@ -234,7 +238,8 @@ def motmetrics_values(frames, matrices):
     for truth, tracks, matrix in zip(*sides, matrices, strict=True):
         distances = 1 - matrix
         distances[distances > 0.5] = np.nan
-        accumulator.update(truth, tracks, distances)
+        with motmetrics.lap.set_default_solver("scipy"):  # others break ties in other ways
+            accumulator.update(truth, tracks, distances)
     host = motmetrics.metrics.create()
     names = [*MOTMETRICS, *MOTMETRICS_IDENTITY]
     values = host.compute(accumulator, metrics=names, return_dataframe=False)
@@ -293,103 +298,3 @@ def test_identity_scores_are_the_best_of_all_assignments(listed):
         for chosen in itertools.permutations(many, len(few))
     )
     assert identity_scores(frames, similarity=matrices).idtp == best
-
-
-def columns(**changes):
-    boxes = [[0, 0, 2, 2], [1, 0, 2, 2]]
-    values = {
-        **{"truth_times": [1, 2], "truth_ids": ["a", "a"], "track_times": [2, 1]},
-        **{"track_ids": [7, 8], "truth_boxes": boxes, "track_boxes": boxes[::-1]},
-    }
-    return TrackFrames.from_columns(**{**values, **changes})
-
-
-def test_ids_of_any_hashable_kind_and_rows_in_any_order():
-    frames = columns(truth_ids=[("a", 1), None], track_ids=["x", 7])
-    assert frames.truth.names == (("a", 1), None)
-    scores = clear_mot(frames)
-    assert (scores.tp, scores.motp, scores.idsw) == (2, 1.0, 0)
-    assert clear_mot(columns()).idsw == 1
-
-
-def test_boxes_by_corners_are_the_same():
-    corners = [[0, 0, 2, 2], [1, 0, 3, 2]]
-    frames = columns(truth_boxes=corners, track_boxes=corners[::-1], box_format="ltrb")
-    assert clear_mot(frames) == clear_mot(columns()) or math.isnan(clear_mot(frames).transfers)
-    np.testing.assert_array_equal(frames.truth.boxes, columns().truth.boxes)
-
-
-def test_boxes_of_files():
-    boxes = Boxes(np.array([3, 5]), np.array([1, 1]), np.array([[0.0, 0, 2, 2]] * 2), np.ones(2))
-    frames = TrackFrames.from_boxes(boxes, boxes)
-    assert (len(frames), clear_mot(frames).tp, hota(frames).hota) == (3, 2, 1.0)
-    nothing = Boxes(np.empty(0, int), np.empty(0, int), np.empty((0, 4)), np.empty(0))
-    assert clear_mot(TrackFrames.from_boxes(boxes, nothing)).fn == 2
-    empty = TrackFrames.from_boxes(nothing, nothing)
-    assert clear_mot(empty, protocol="motmetrics").to_dict()["mota"] is None
-
-
-def test_results_are_ready_for_json():
-    frames = columns()
-    found = {}
-    for function in (clear_mot, identity_scores, hota):
-        found |= json.loads(json.dumps(function(frames).to_dict(), allow_nan=False))
-    assert {"mota", "motp", "idsw", "frag", "mt", "idf1", "idtp", "hota", "deta", "assa"} <= set(
-        found
-    )
-    assert len(found["hota_alpha"]) == 19
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"truth_times": [2, 2]},
-            r"truth rows 0 and 1 both have time 2 and id a",
-        ),
-        ({"track_times": [1, np.nan]}, r"track_times\[1\] is not a time"),
-        ({"track_times": [[1, 2]]}, r"track_times has shape \(1, 2\)"),
-        ({"truth_ids": ["a"]}, r"truth_ids has 1 rows, truth_times has 2"),
-        ({"truth_boxes": [[0, 0, 1, 1]]}, r"truth_boxes has shape \(1, 4\), expected \(2, 4\)"),
-        ({"track_boxes": [[0, 0, 1, 1], [0, np.inf, 1, 1]]}, r"track_boxes\[1\]\[1\] is not fin"),
-        ({"box_format": "xywh"}, r"box_format must be 'ltwh' or 'ltrb', got 'xywh'"),
-        ({"times": [1]}, r"times lacks 2"),
-    ],
-)
-def test_wrong_columns_are_refused(changes, message):
-    with pytest.raises(ValueError, match=message):
-        columns(**changes)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"protocol": "mota"}, r"protocol must be 'trackeval' or 'motmetrics', got 'mota'"),
-        ({"similarity": "giou"}, r"similarity must be 'iou', 'euclidean' or a matrix"),
-        ({"threshold": 1.5}, r"threshold must be above 0 and at most 1, got 1.5"),
-        ({"similarity": "euclidean", "threshold": np.inf}, r"threshold must be a finite distance"),
-        ({"similarity": [[[1]]]}, r"similarity has 1 frames, frames has 2"),
-        ({"similarity": [[[1]], [[1, 1]]]}, r"similarity\[1\] has shape \(1, 2\)"),
-        ({"similarity": [[[1]], [[2]]]}, r"similarity\[1\]\[0\]\[0\] must be between 0 and 1"),
-    ],
-)
-def test_wrong_options_are_refused(options, message):
-    with pytest.raises(ValueError, match=message):
-        clear_mot(columns(), **options)
-
-
-def test_what_is_missing_is_named():
-    with pytest.raises(ValueError, match="truth has no boxes"):
-        clear_mot(columns(truth_boxes=None))
-    with pytest.raises(ValueError, match="tracks has neither positions nor boxes"):
-        clear_mot(columns(track_boxes=None), similarity="euclidean")
-    with pytest.raises(TypeError, match="frames must be TrackFrames, got list"):
-        hota([])
-
-
-def test_nan_excludes_a_pair():
-    frames, _ = scene([([1], [2], [1.0])])
-    for protocol in ("trackeval", "motmetrics"):
-        options = {"similarity": [[[np.nan]]], "protocol": protocol}
-        assert clear_mot(frames, **options).tp == 0
-        assert identity_scores(frames, **options).idtp == 0

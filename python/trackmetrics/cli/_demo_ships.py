@@ -3,19 +3,15 @@
 import time
 
 from trackmetrics.cli._output import Output, write_diagnosis_page
-from trackmetrics.cli._renamed_options import VALUES
 from trackmetrics.cli._verdicts import diagnosis_table, most_severe
 from trackmetrics.diagnostics import diagnose
 from trackmetrics.vessel import three_ships
-
-# The library has the old names of these two.
-NOISE = {new: old for old, new in VALUES["demo"]["--noise"].items()}
 
 
 def run_ships(output: Output, noise: str, page: str | None, seed: int) -> None:
     """Simulate, track, diagnose; print the verdicts and write the page."""
     start = time.perf_counter()
-    simulation = three_ships(seed, NOISE[noise])
+    simulation = three_ships(seed, noise)
     log = simulation.track()
     diagnosis = diagnose(log)
     seconds = time.perf_counter() - start

@@ -111,8 +111,8 @@ class EstimatorLog:
             ``{"S": "diagonal"}``, ``"upper"`` (triangle row by row) or ``"full"``.
         on_repeats
             What to do with rows that are no updates (they repeat the row before to the bit, or
-            their NIS is exactly 0): ``"drop"`` and count them in the notes, ``"keep"``, or
-            ``"raise"``.
+            their NIS is exactly 0 and no innovation is logged): ``"drop"`` and count them in the
+            notes, ``"keep"``, or ``"raise"``.
         nis_scale
             Factor of the NIS: the gate, where the log has test ratios (NIS divided by a gate).
         **columns

@@ -1,7 +1,8 @@
 """Rows that are no updates, and test ratios in the place of NIS.
 
-A NIS of exactly 0 is what many programs log between two fusions: no innovation of a real
-measurement is exactly 0. A test ratio is a NIS divided by its gate, as PX4 and others log it.
+A NIS of exactly 0, where no innovation is logged beside it, is what many programs write between two
+fusions. Beside an innovation it may be real: a vessel at rest reports the same rounded position. A
+test ratio is a NIS divided by its gate, as PX4 and others log it.
 """
 
 from math import isfinite
@@ -39,6 +40,8 @@ def _scaled(columns: Columns, scale: float) -> Columns:
 def _zeros(columns: Columns, on_repeats: str) -> tuple[np.ndarray | None, str]:
     """Rows whose logged NIS is exactly 0, and what to say of them."""
     if columns.nis is None or on_repeats == "keep":
+        return None, ""
+    if columns.innovation is not None or columns.z is not None:
         return None, ""
     zero = columns.nis == 0
     count = int(zero.sum())

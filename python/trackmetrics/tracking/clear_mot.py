@@ -150,7 +150,7 @@ def clear_mot(
     matches = match(measure, rules)
     counts = _counts(frames, matches, rules)
     transfers = _transfers(frames, matches) if rules.transfers else (math.nan,) * 3
-    total = float(sum(matches.values))
+    total = float(matches.values.sum())
     return CLEARMOT(
         **_ratios(counts, len(frames.truth.names), total, rules),
         **counts,

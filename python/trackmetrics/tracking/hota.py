@@ -140,8 +140,11 @@ def hota(
     kept = values >= (_ALPHAS - EPS)[:, None]
     tp = kept.sum(axis=1)
     fn, fp = len(truth) - tp, len(tracks) - tp
-    association = np.array([_association(pairs[:, k], rows, columns) for k in kept])
-    sums = np.array([sum(values[k]) for k in kept], dtype=np.float64)
+    codes, of_pair = np.unique(pairs[0] * len(tracks.names) + pairs[1], return_inverse=True)
+    i, j = np.divmod(codes, max(1, len(tracks.names)))
+    counts = (np.bincount(of_pair[k], minlength=len(i)) for k in kept)
+    association = np.array([_association(n, rows[i], columns[j]) for n in counts])
+    sums = np.array([values[k].sum() for k in kept])
     return _result(tp, fn, fp, association, sums)
 
 
@@ -175,13 +178,11 @@ def _agreement(measure: PairMeasure) -> Floats:
     return agreement
 
 
-def _association(pairs: Codes, rows: Codes, columns: Codes) -> Floats:
-    """AssA, AssRe and AssPr of the pairs of one alpha; 0 without a pair."""
-    if not pairs.size:
-        return np.zeros(3)
-    (i, j), n = np.unique(pairs, axis=1, return_counts=True)
-    shares = np.stack([n / (rows[i] + columns[j] - n), n / rows[i], n / columns[j]])
-    means: Floats = (n * shares).sum(axis=1) / n.sum()
+def _association(n: Codes, rows: Codes, columns: Codes) -> Floats:
+    """AssA, AssRe and AssPr of one alpha, from the numbers of pairs of a target and a track and
+    the numbers of rows of either; 0 without a pair."""
+    shares = np.stack([n / (rows + columns - n), n / rows, n / columns])
+    means: Floats = (n * shares).sum(axis=1) / max(1, n.sum())
     return means
 
 

@@ -14,7 +14,9 @@ from trackmetrics._tables import delimited, json_lines, opening
 from trackmetrics.vessel import ais_columns
 from trackmetrics.vessel.screening import MAX_SPEED, Recording, screen_table
 
-_SENTENCE = re.compile(rb"^[^\n{,]*(?:,\s*)?[!$](?:AI|BS|AB|AN|SA)VD[MO],", re.MULTILINE)
+_SENTENCE = re.compile(
+    rb"^\s*(?:\\[^\\\n]*\\)*\s*(?:\d+(?:\.\d+)?[,;\s]+)?[!$](?:AI|BS|AB|AN|SA)VD[MO],", re.MULTILINE
+)
 _SHORT_ROW = re.compile(r"\d+ cells, the header has")
 
 

@@ -234,6 +234,10 @@ def _times(column: Any, date_order: str | None) -> Floats:
     """Seconds; NaN for what is no time. Numbers and dates may stand in one column."""
     if column.dtype.kind != "O":
         return times.to_seconds(column, "time", date_order=date_order).seconds
+    try:
+        return times.to_seconds(column, "time", date_order=date_order).seconds
+    except ValueError:
+        pass  # some are no times, or numbers and dates are mixed
     numbers = _numbers(column)
     seconds = np.full(len(column), np.nan)
     is_number = np.isfinite(numbers)

@@ -2,7 +2,7 @@
 
 A recording has no truth, but reports that the filter has not fused are nearly as good: the
 prediction to the time of a report left out has the innovation y = z - H x and, if the filter is
-honest, S = H P H' + R. Its NIS y' S^-1 y is chi-square distributed. Within one gap between two
+consistent, S = H P H' + R. Its NIS y' S^-1 y is chi-square distributed. Within one gap between two
 fused reports all predictions start from one state, so that their errors are correlated; and that
 state remembers the gap before. With F_i the Jacobian from the last fused report to report i and
 A_k = (I - K_k H_k) F_k of the fused reports between, the error of a later prediction is Phi_ij
@@ -56,7 +56,7 @@ class HeldOut:
     effective_dof: float
     """How many independent components would tell as much, given the correlation."""
     scale: float
-    """Sum of the NIS over ``dof``: 1 is honest, above 1 the filter claims too much."""
+    """Sum of the NIS over ``dof``: 1 is consistent, above 1 the filter claims too much."""
     interval: tuple[float, float]
     """95 % confidence interval of the scale."""
     p_value: float
@@ -225,9 +225,9 @@ def _judge(
 
 
 def _tails(scale: float, effective: float, shape: float) -> tuple[float, tuple[float, float]]:
-    """The p-value of a scale, and the 95 % interval of an honest one.
+    """The p-value of a scale, and the 95 % interval of a consistent one.
 
-    An honest scale is 1 + (x - shape) / sqrt(shape * effective), with x chi2(shape).
+    A consistent scale is 1 + (x - shape) / sqrt(shape * effective), with x chi2(shape).
     """
     from scipy.special import chdtr, chdtrc, chdtri
 

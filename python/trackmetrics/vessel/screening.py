@@ -41,6 +41,8 @@ MAX_SPEED = 60.0
 """Knots that no vessel makes."""
 MOVING = 3.0
 """Knots above which a vessel does not stay in one place."""
+MAX_ROUNDING = 1e-6
+"""Seconds by which a time may differ from a multiple of its resolution."""
 AIS_UNIT = 600_000.0
 """Position units of AIS in a degree: 1/10 000 minute (ITU-R M.1371-5, table 48)."""
 
@@ -294,7 +296,7 @@ def _resolution(time: Floats) -> float:
     finite = time[np.isfinite(time)]
     for parts in (1.0, 10.0, 100.0, 1000.0):
         scaled = finite * parts
-        if (np.abs(scaled - np.round(scaled)) <= 1e-3 + 4e-16 * np.abs(scaled)).all():
+        if (np.abs(scaled - np.round(scaled)) <= MAX_ROUNDING * parts).all():
             return 1.0 / parts
     return 0.0
 

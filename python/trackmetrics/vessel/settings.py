@@ -63,7 +63,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class Settings:
-    """What a filter assumes. The defaults are honest for a cargo ship at sea with good AIS.
+    """What a filter assumes. The defaults are consistent for a cargo ship at sea with good AIS.
 
     AIS position accuracy flag 1 stands for better than 10 m; speed comes in steps of 0.1 kt, course
     in steps of 0.1 deg (ITU-R M.1371-5, messages 1 to 3).
@@ -126,7 +126,7 @@ class Settings:
 
         Turn rates decay within half a minute. The densities are those with which the median vessel
         under way of an hour of AIS from the Solent, one report a minute, has a NIS as claimed; no
-        one setting is honest for a tanker and for a hovercraft.
+        one setting is consistent for a tanker and for a hovercraft.
         """
         return cls(
             ais=Noise(10.0, 0.3, 3.0),

@@ -2,8 +2,8 @@
 
 The three ships carry the support pattern of a published run of a vessel estimator ("Multi Object
 Tracking framework diagnostics": the times and types of its 63 updates, read from the exported
-plots): which sensor saw whom, and when. Truth is drawn from the filter's own process model in steps
-of 10 s; the third ship turns while nobody looks.
+plots): which sensor saw which ship, and when. Truth is drawn from the filter's own process model in
+steps of 10 s; the third ship turns while there is no report.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics import _backend, errors
+from trackmetrics import _backend, _deprecated, errors
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.mmsi_conflicts import KNOT
 from trackmetrics.vessel.reports import Reports
@@ -124,7 +124,7 @@ to 6780 s; the published run has no such turn, but breaks at the same update."""
 
 ACCELERATION, TURN = 1e-4, 1e-7
 
-HONEST = Settings(
+CONSISTENT = Settings(
     ais=Noise(350.0, 1.25, 2.0),
     truncated_ais=Noise(150.0),
     position=Noise(350.0),
@@ -132,11 +132,11 @@ HONEST = Settings(
     turn_density=TURN,
 )
 """Sensor noise as it is: what the published run's reports show against its truth."""
-ARTICLE = replace(HONEST, ais=Noise(600.0, 2.0, 3.0), position=Noise(600.0))
+PUBLISHED = replace(CONSISTENT, ais=Noise(600.0, 2.0, 3.0), position=Noise(600.0))
 """Sensor noise as the published run's filter claims it."""
 
 
-def three_ships(seed: int = 0, noise: str = "honest") -> Simulation:
+def three_ships(seed: int = 0, noise: str = "consistent") -> Simulation:
     """The three ships of the published run.
 
     Parameters
@@ -144,8 +144,9 @@ def three_ships(seed: int = 0, noise: str = "honest") -> Simulation:
     seed : int
         The same seed gives the same run.
     noise : str
-        ``"honest"``: the filter claims the noise that there is. ``"article"``: it claims what the
-        published filter claims, and expects twice the true deviations of acceleration and turn.
+        ``"consistent"``: the filter assumes the noise that there is. ``"published"``: it
+        assumes what the published filter did, and expects twice the true deviations of acceleration
+        and turn.
 
     Returns
     -------
@@ -159,13 +160,17 @@ def three_ships(seed: int = 0, noise: str = "honest") -> Simulation:
     >>> len(log), float(log["SS Northern Star0"].time[-1])
     (63, 7200.0)
     """
-    if noise not in ("honest", "article"):
-        raise ValueError(f"noise must be 'honest' or 'article', got {noise!r}")
-    share = 1.0 if noise == "honest" else 0.25
-    settings = HONEST if noise == "honest" else ARTICLE
+    if noise in _deprecated.RENAMED_NOISE:
+        renamed = _deprecated.RENAMED_NOISE[noise]
+        _deprecated.warn(f"three_ships(noise={noise!r})", f"three_ships(noise={renamed!r})")
+        noise = renamed
+    if noise not in ("consistent", "published"):
+        raise ValueError(f"noise must be 'consistent' or 'published', got {noise!r}")
+    share = 1.0 if noise == "consistent" else 0.25
+    settings = CONSISTENT if noise == "consistent" else PUBLISHED
     falcon = replace(settings, placeholders=True, tentative=1)
     true = replace(
-        HONEST,
+        CONSISTENT,
         acceleration_density=ACCELERATION * share,
         turn_density=TURN * share,
     )
@@ -192,7 +197,7 @@ def fleet(
     settings: Settings | None = None,
     seed: int = 0,
 ) -> Simulation:
-    """A fleet whose filter is honest, up to outages and manoeuvres.
+    """A fleet whose filter is consistent, up to outages and manoeuvres.
 
     Parameters
     ----------

@@ -51,14 +51,14 @@ class _Fleet:
     vessel: list[str | None] = field(default_factory=list)
 
     def grow(self, vessels: Iterable[str | None]) -> Integers:
-        """Room for new tracks; their indices. Doubling, so that the cost of growth stays linear."""
+        """Add tracks, return their indices; doubles the arrays, so that the cost stays linear."""
         first = len(self.vessel)
         self.vessel.extend(vessels)
         if len(self.vessel) > len(self.life):
-            room = max(2 * len(self.life), len(self.vessel), 16) - len(self.life)
-            self.life = np.concatenate([self.life, np.zeros((room, 7))])
-            self.x = np.concatenate([self.x, np.zeros((room, 5))])
-            self.p = np.concatenate([self.p, np.zeros((room, 5, 5))])
+            added = max(2 * len(self.life), len(self.vessel), 16) - len(self.life)
+            self.life = np.concatenate([self.life, np.zeros((added, 7))])
+            self.x = np.concatenate([self.x, np.zeros((added, 5))])
+            self.p = np.concatenate([self.p, np.zeros((added, 5, 5))])
         return np.arange(first, len(self.vessel))
 
 
@@ -340,7 +340,7 @@ def _refuse_what_is_not_finite(reports: Reports) -> None:
 
 
 def _scans(reports: Reports) -> Iterable[tuple[bool, Any]]:
-    """Stretches of identified reports, and scans of positions without identity, in time."""
+    """Runs of identified reports, and scans of positions without identity, in time."""
     anonymous = np.array([v is None for v in reports.vessel], bool)
     if not anonymous.any():
         yield False, slice(None)
