@@ -99,8 +99,9 @@ def _quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
     valid = valid_components(errors, covariances)
     rows = valid.any(axis=1)
     if rows.any():
-        white = whitened(errors[rows], covariances[rows], valid[rows])
-        forms[rows] = (white**2).sum(axis=1)
+        with np.errstate(over="ignore"):
+            white = whitened(errors[rows], covariances[rows], valid[rows])
+            forms[rows] = (white**2).sum(axis=1)
     return forms
 
 

@@ -14,6 +14,8 @@ from trackmetrics._tables.numerals import MISSING, from_cells
 from trackmetrics._tables.polars_columns import data_frame, polars
 
 _HEADING_BYTES = 1 << 20
+_SEPARATOR_LINE = re.compile(rb"sep=([;,\t|])\r?\n", re.IGNORECASE)
+"""What Excel may write before the headings."""
 
 
 def read(
@@ -24,9 +26,15 @@ def read(
     The text is ``source`` from byte ``start`` on, or that of the file ``source``.
     """
     first = _bytes(source, start, _HEADING_BYTES)
-    line, _, _ = first.lstrip(b"\r\n").partition(b"\n")
-    body = start + len(first) - len(first.lstrip(b"\r\n")) + len(line) + 1
-    delimiter = _delimiter(line.decode())
+    if b"\n" not in first and b"\r" in first:  # the line ends of old Macs
+        source, start = _bytes(source, start).replace(b"\r", b"\n"), 0
+        first = source[:_HEADING_BYTES]
+    excel = _SEPARATOR_LINE.match(first)
+    begin = excel.end() if excel else 0
+    begin += len(first[begin:]) - len(first[begin:].lstrip(b"\r\n"))
+    line = first[begin:].partition(b"\n")[0]
+    body = start + begin + len(line) + 1
+    delimiter = excel.group(1).decode() if excel else _delimiter(line.decode())
     if delimiter == " ":
         line = re.sub(rb"[ \t]+", b" ", re.sub(rb"^[#%]\s*", b"", line.strip()))
         source, body = _single_blanks(_bytes(source, body)), 0

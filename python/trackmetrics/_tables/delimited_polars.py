@@ -1,12 +1,12 @@
 """Delimited text to columns by Polars: the file is read in place, no row is looked at in Python."""
 
-import csv
 import io
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmetrics._tables import numerals
 from trackmetrics._tables.polars_columns import polars, to_array
@@ -42,8 +42,12 @@ def read(
     if frame is None:
         return None
     last = frame[names[-1]]
-    if last.null_count() and _has_short_rows(source, start, delimiter, len(names)):
-        return None
+    if last.null_count():
+        blank = _blank_rows(source, start, delimiter, len(names))
+        if blank is None or len(blank) > len(frame):
+            return None
+        if len(blank):
+            frame = frame.filter(~pl.int_range(len(frame), eager=True).is_in(blank))
     columns = {}
     for name in names:
         series = frame.drop_in_place(name)
@@ -141,24 +145,34 @@ def _numbers_or_text(file: str, series: Any, is_text: bool) -> Any:
     return series.zip_with(has_value, nothing)
 
 
-def _has_short_rows(source: bytes | Path, start: int, delimiter: str, cells: int) -> bool:
-    """Whether a row has fewer cells than there are headings."""
+def _blank_rows(source: bytes | Path, start: int, delimiter: str, cells: int) -> list[int] | None:
+    """Which lines hold nothing; None where one has another number of cells than the heading."""
     body = source[start:] if isinstance(source, bytes) else source.read_bytes()[start:]
-    if b'"' in body:
-        rows = csv.reader(io.StringIO(body.decode()), delimiter=delimiter)
-        return any(row and len(row) != cells for row in rows)
-    first = 0
+    blank: list[int] = []
+    first = lines = 0
     while first < len(body):
         end = body.find(b"\n", first + _SAMPLE_BYTES) + 1 or len(body)
-        if _block_has_short_rows(body[first:end].rstrip(b"\r\n") + b"\n", delimiter, cells):
-            return True
+        while end < len(body) and body.count(b'"', first, end) % 2:  # within a quoted cell
+            end = body.find(b"\n", end) + 1 or len(body)
+        block = np.frombuffer(body[first:end].removesuffix(b"\n") + b"\n", np.uint8)
+        delimiters, sizes = _cells(block, delimiter)
+        is_blank = sizes == 0
+        if (~is_blank & (delimiters != cells - 1)).any():
+            return None
+        blank += (lines + np.flatnonzero(is_blank)).tolist()
+        lines += len(sizes)
         first = end
-    return False
+    return blank
 
 
-def _block_has_short_rows(block: bytes, delimiter: str, cells: int) -> bool:
-    bytes_ = np.frombuffer(block, np.uint8)
-    ends = np.flatnonzero(bytes_ == ord("\n"))
-    delimiters = np.searchsorted(np.flatnonzero(bytes_ == ord(delimiter)), ends)
-    is_blank = np.diff(ends, prepend=-1) <= 1 + (bytes_[ends - 1] == ord("\r"))
-    return bool((~is_blank & (np.diff(delimiters, prepend=0) != cells - 1)).any())
+def _cells(block: NDArray[np.uint8], delimiter: str) -> tuple[Any, Any]:
+    """How many delimiters and how many bytes each line has, quoted cells aside."""
+    is_end, is_delimiter = block == ord("\n"), block == ord(delimiter)
+    quotes = block == ord('"')
+    if quotes.any():
+        outside = np.cumsum(quotes) % 2 == 0
+        is_end, is_delimiter = is_end & outside, is_delimiter & outside
+    ends = np.flatnonzero(is_end)
+    delimiters = np.diff(np.searchsorted(np.flatnonzero(is_delimiter), ends), prepend=0)
+    sizes = np.diff(ends, prepend=-1) - 1
+    return delimiters, sizes - (block[ends - 1] == ord("\r")) * (sizes > 0)

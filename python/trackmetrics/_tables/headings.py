@@ -1,6 +1,7 @@
 """Names of columns as people write them, matched with the names that a reader knows."""
 
 import difflib
+import re
 from collections.abc import Iterable, Sequence
 
 from trackmetrics._tables.errors import shown
@@ -14,6 +15,11 @@ def clean(names: Sequence[str], file: str) -> list[str]:
     # R's write.csv leaves the heading of its row names empty.
     if len(cleaned) > 1 and cleaned[0] == "":
         cleaned[0] = "row names"
+    if cleaned and all(re.fullmatch(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?", n) for n in cleaned):
+        raise ValueError(
+            f"{file} has no headings (its first row is {shown(cleaned)}): expected names such as "
+            "time, nis, nis_dof"
+        )
     for place, name in enumerate(cleaned):
         if not name:
             raise ValueError(f"{file}: heading {place + 1} of {len(cleaned)} is empty")
@@ -34,11 +40,18 @@ def match(names: Sequence[str], known: Iterable[str]) -> dict[str, str]:
         exact = base in candidates
         if not exact and len(candidates) == 1:
             found[name] = candidates[0] + bracket + rest
+    targets: dict[str, str] = {}
+    for name in names:
+        other = targets.setdefault(found.get(name, name), name)
+        if other != name:
+            raise ValueError(f"headings {other!r} and {name!r} name one column")
     return found
 
 
 def nearest(wanted: str, names: Sequence[str]) -> str:
     """What to say of a heading that is missing: those there are, and the most similar."""
-    close = difflib.get_close_matches(wanted, names, 1, 0.6)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    by_plain = {re.sub(r"[\[({].*|[^a-z0-9]", "", name.lower()): name for name in names}
+    plain = re.sub("[^a-z0-9]", "", wanted.lower())
+    close = difflib.get_close_matches(plain, by_plain, 1, 0.6)
+    hint = f"; did you mean {by_plain[close[0]]!r}?" if close else ""
     return f"the headings are {shown(names)}{hint}"

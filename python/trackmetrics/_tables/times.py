@@ -7,6 +7,7 @@ slashes or dots, whose order the whole column decides. Dates become seconds sinc
 """
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,10 +22,17 @@ UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 _RANGES = (("ms", 1e11, 1e14), ("us", 1e14, 1e17), ("ns", 1e17, 1e20))
 """Unix times of the years 1973 to 5138 in each unit."""
 _COMPACT = (19_700_101_000_000, 22_000_101_000_000)
-_ZONE = r"\s*(Z|UTC|[+-]\d\d:?\d\d)?(?:\s+[A-Z]{3,4})?"
-_CLOCK = r"(\d\d?):(\d\d)(?::(\d\d(?:[.,]\d+)?))?"
-_YEAR_FIRST = re.compile(rf"^\s*(\d{{4}})[-/](\d\d?)[-/](\d\d?)(?:[T ]{_CLOCK})?{_ZONE}\s*$")
-_YEAR_LAST = re.compile(rf"^\s*(\d\d?)[/.-](\d\d?)[/.-](\d{{4}})(?:[T ]{_CLOCK})?{_ZONE}\s*$")
+_ZONE = r"\s*(Z|UTC|[+-]\d\d(?::?\d\d)?)?(?:\s+[A-Z]{3,4})?\s*$"
+_CLOCK = r"(?:[T ]\s*(\d\d?):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AaPp][Mm])?)?"
+_COMPACT_CLOCK = r"(?:T(\d\d)(\d\d)(\d\d(?:[.,]\d+)?)?([AaPp][Mm])?)"
+_FORMS = {
+    "year first": rf"^\s*(\d{{4}})[-/.](\d\d?)[-/.](\d\d?){_CLOCK}{_ZONE}",
+    "year last": rf"^\s*(\d\d?)[/.-](\d\d?)[/.-](\d{{4}}){_CLOCK}{_ZONE}",
+    "month by name": rf"^\s*(\d\d?)[- ]([A-Za-z]{{3}})[a-z]*[- ](\d{{4}}){_CLOCK}{_ZONE}",
+    "compact": rf"^\s*(\d{{4}})(\d\d)(\d\d){_COMPACT_CLOCK}{_ZONE}",
+}
+"""Patterns of dates, all of the same groups; common to Python's and Rust's regular expressions."""
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,23 +167,36 @@ def _from_text(argument: str, array: NDArray[Any], date_order: str | None, stric
             pass
         else:
             return _from_numbers(numbers, None)
-    dates = (v for v in array if _YEAR_FIRST.match(str(v)) or _YEAR_LAST.match(str(v)))
-    first = next(dates, "")
-    year_last = _YEAR_LAST.match(str(first)) is not None
-    groups = _groups(array, _YEAR_LAST if year_last else _YEAR_FIRST)
-    a, b, c, hour, minute, second = (groups[:, k] for k in range(6))
-    if year_last:
-        day, month = _day_and_month(argument, a, b, date_order)
-        year = c
-    else:
-        year, month, day = a, b, c
+    form = _form(array)
+    if form is None:
+        if not strict:
+            return Times(np.full(len(array), np.nan), EPOCH)
+        row = next((r for r, cell in enumerate(array) if not _is_number(cell)), 0)
+        raise ValueError(f"{argument}[{row}] is no time: {value(array[row])}")
+    groups = _groups(array, _FORMS[form])
+    first, month, third, hour, minute, second, is_pm, offset = groups.T
+    year, day = (first, third) if form in ("year first", "compact") else (third, first)
+    if form == "year last":
+        day, month = _day_and_month(argument, first, month, date_order)
+    hour = np.where(np.isnan(is_pm), hour, np.where((hour < 1) | (hour > 12), 24, hour % 12))
+    hour = hour + 12 * np.nan_to_num(is_pm)
     clock = (np.nan_to_num(part) for part in (hour, minute, second))
     seconds = _seconds(np.nan_to_num(year), np.nan_to_num(month), np.nan_to_num(day), *clock)
-    seconds = seconds - groups[:, 6]
+    seconds = seconds - offset
     if strict and np.isnan(seconds).any():
         row = int(np.argmax(np.isnan(seconds)))
         raise ValueError(f"{argument}[{row}] is no time: {value(array[row])}")
     return Times(seconds, EPOCH)
+
+
+def _form(array: NDArray[Any]) -> str | None:
+    """The form of the first cell that is a date."""
+    patterns = {form: re.compile(pattern) for form, pattern in _FORMS.items()}
+    for cell in array:
+        for form, pattern in patterns.items():
+            if pattern.match(str(cell)):
+                return form
+    return None
 
 
 def _is_number(cell: Any) -> bool:
@@ -201,30 +222,55 @@ def _day_and_month(
     return (a, b) if day_first else (b, a)
 
 
-def _groups(array: NDArray[Any], pattern: re.Pattern[str]) -> NDArray[np.float64]:
-    """``(rows, 7)``: three numbers of the date, hour, minute, second, zone in seconds."""
+def _groups(array: NDArray[Any], pattern: str) -> NDArray[np.float64]:
+    """``(rows, 8)``: three numbers of the date, hour, minute, second, 1 for PM, zone in seconds."""
     pl = polars()
+    readers = (_number, _month, _number, _number, _number, _number, _is_pm, _offset)
     if pl is None:
-        rows = [pattern.match(str(v)) for v in array]
-        nothing = (None,) * 7
-        cells = [m.groups() if m else nothing for m in rows]
-        numbers = [[_number(c) for c in row[:6]] + [_offset(row[6])] for row in cells]
-        return np.array(numbers, np.float64).reshape(len(array), 7)
+        compiled = re.compile(pattern)
+        matches = [compiled.match(str(v)) for v in array]
+        cells = [m.groups() if m else (None,) * 8 for m in matches]
+        numbers = [[read(c) for read, c in zip(readers, row, strict=True)] for row in cells]
+        return np.array(numbers, np.float64).reshape(len(array), 8)
     series = pl.Series(array.tolist(), dtype=pl.String)
-    # Rust's regular expressions do not know Python's ``\Z``; these patterns are common to both.
-    frame = series.str.extract_groups(pattern.pattern).struct.unnest()
-    parts = [
-        frame[name].str.replace(",", ".", literal=True).cast(pl.Float64, strict=False)
-        for name in frame.columns[:6]
-    ]
-    zone = frame[frame.columns[6]]
-    known = zone.unique().to_list()
-    offsets = zone.replace_strict(known, [_offset(z) for z in known], return_dtype=pl.Float64)
-    return np.column_stack([part.to_numpy() for part in [*parts, offsets]])
+    frame = series.str.extract_groups(pattern).struct.unnest()
+    return np.column_stack(
+        [
+            _numbers(frame[name]) if read is _number else _mapped(frame[name], read)
+            for name, read in zip(frame.columns, readers, strict=True)
+        ]
+    )
+
+
+def _numbers(cells: Any) -> NDArray[np.float64]:
+    pl = polars()
+    numbers: NDArray[np.float64] = (
+        cells.str.replace(",", ".", literal=True).cast(pl.Float64, strict=False).to_numpy()
+    )
+    return numbers
+
+
+def _mapped(cells: Any, read: Callable[[str | None], float]) -> NDArray[np.float64]:
+    """A number for each different text."""
+    known = cells.unique().to_list()
+    texts = cells.replace_strict(known, [read(c) for c in known], return_dtype=polars().Float64)
+    numbers: NDArray[np.float64] = texts.to_numpy()
+    return numbers
 
 
 def _number(cell: str | None) -> float:
     return np.nan if cell is None else float(cell.replace(",", "."))
+
+
+def _month(cell: str | None) -> float:
+    """A month by its number or its English name."""
+    if cell is None or cell.isdigit():
+        return _number(cell)
+    return float(_MONTHS.index(cell.lower()) + 1) if cell.lower() in _MONTHS else np.nan
+
+
+def _is_pm(cell: str | None) -> float:
+    return np.nan if cell is None else float(cell.lower() == "pm")
 
 
 def _offset(zone: str | None) -> float:
@@ -232,6 +278,6 @@ def _offset(zone: str | None) -> float:
     if zone in (None, "Z", "UTC"):
         return 0.0
     assert zone is not None
-    digits = zone[1:].replace(":", "")
+    digits = zone[1:].replace(":", "").ljust(4, "0")
     seconds = int(digits[:2]) * 3600 + int(digits[2:]) * 60
     return float(-seconds if zone[0] == "-" else seconds)

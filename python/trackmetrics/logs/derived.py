@@ -103,7 +103,9 @@ def _forms(errors: Floats | None, covariances: Floats | None) -> Floats | None:
 def _errors(columns: Columns, states: Sequence[State]) -> Floats | None:
     if columns.x is None or columns.truth is None:
         return None
-    return wrap(columns.x - columns.truth, np.array([s.period or np.nan for s in states]))
+    with np.errstate(over="ignore"):
+        error = columns.x - columns.truth
+    return wrap(error, np.array([s.period or np.nan for s in states]))
 
 
 def _deviations(columns: Columns) -> Floats | None:

@@ -37,7 +37,11 @@ def select_columns(table: Table, renaming: Renaming) -> dict[str, Any]:
 def _parts(table: Table, name: str) -> list[str]:
     """``x[0]``, ``x[1]``, ... in the order of their indices."""
     found = [re.fullmatch(rf"{name}\[(\d+)\]", key) for key in table]
-    return [m.string for m in sorted((m for m in found if m), key=lambda m: int(m.group(1)))]
+    parts = sorted((int(m.group(1)), m.string) for m in found if m)
+    for place, (index, _) in enumerate(parts):
+        if index != place:
+            raise ValueError(f"no column {name}[{place}], although there is {name}[{index}]")
+    return [part for _, part in parts]
 
 
 def _together(parts: Sequence[Any]) -> Ragged:

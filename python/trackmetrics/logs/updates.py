@@ -45,8 +45,12 @@ def _zeros(columns: Columns, on_repeats: str) -> tuple[np.ndarray | None, str]:
         return None, ""
     zero = columns.nis == 0
     count = int(zero.sum())
-    if not count or count == len(zero):
+    if not count:
         return None, ""
+    if count == len(zero):
+        raise ValueError(
+            f"all {count} NIS are exactly 0: they are no updates; on_repeats='keep' keeps them"
+        )
     if on_repeats == "raise":
         raise ValueError(f"nis[{int(np.argmax(zero))}] is exactly 0: no update")
     return zero, (

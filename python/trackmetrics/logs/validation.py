@@ -75,6 +75,10 @@ def _check_numbers(columns: Columns) -> None:
             row = int(np.argmax(bad))
             needed = "positive" if name in DOF_COLUMNS else "at least 0"
             raise ValueError(f"{name}[{row}] must be {needed}, got {float(column[row])!r}")
+    if columns.std is not None and (columns.std < 0).any():
+        row, state = (int(i) for i in np.argwhere(columns.std < 0)[0])
+        got = float(columns.std[row, state])
+        raise ValueError(f"std[{row}][{state}] must be at least 0, got {got!r}")
     if columns.nis is None or columns.innovation is not None or columns.z is not None:
         return
     if columns.nis_dof is None:
