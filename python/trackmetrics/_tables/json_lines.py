@@ -3,6 +3,7 @@
 import io
 import json
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from trackmetrics._tables import json_lines_polars
 from trackmetrics._tables.columns import Ragged
+from trackmetrics._tables.errors import value
 from trackmetrics._tables.polars_columns import data_frame, polars
 
 
@@ -22,7 +24,7 @@ def first_record(data: bytes, file: str) -> dict[str, Any]:
 def parse(line: str, file: str, number: int) -> dict[str, Any]:
     """One record; an error names the line."""
     try:
-        record = json.loads(line)
+        record = json.loads(line, object_pairs_hook=partial(_object, file, number))
     except json.JSONDecodeError as error:
         raise ValueError(
             f"{file}, line {number}: not a JSON record ({error.msg} at character "
@@ -33,11 +35,22 @@ def parse(line: str, file: str, number: int) -> dict[str, Any]:
     return record
 
 
+def _object(file: str, number: int, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    record = dict(pairs)
+    if len(record) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"{file}, line {number}: {value(twice)} appears twice")
+    return record
+
+
 def read(source: bytes | Path, file: str, start: int = 0, first_line: int = 1) -> dict[str, Any]:
     """The columns of the records; what a record lacks is missing.
 
     The text is ``source`` from byte ``start`` on, or that of the file ``source``.
     """
+    if not start and isinstance(source, bytes) and source.lstrip().startswith(b"["):
+        return _from_array(source, file)
     if polars() is not None:
         columns = json_lines_polars.read(source, start)
         if columns is not None:
@@ -46,11 +59,26 @@ def read(source: bytes | Path, file: str, start: int = 0, first_line: int = 1) -
     return _read_small(data[start:], file, first_line)
 
 
+def _from_array(data: bytes, file: str) -> dict[str, Any]:
+    """The columns of one JSON array of records."""
+    try:
+        records = json.loads(data)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{file}: not a JSON array ({error})") from None
+    if not all(isinstance(record, dict) for record in records):
+        raise ValueError(f"{file}: expected an array of JSON objects")
+    return _columns(records)
+
+
+def _columns(records: list[dict[str, Any]]) -> dict[str, Any]:
+    names = dict.fromkeys(name for record in records for name in record)
+    return {name: [record.get(name) for record in records] for name in names}
+
+
 def _read_small(data: bytes, file: str, first_line: int) -> dict[str, Any]:
     lines = enumerate(data.decode().splitlines(), first_line)
     records = [parse(line, file, number) for number, line in lines if line.strip()]
-    names = dict.fromkeys(name for record in records for name in record)
-    return {name: [record.get(name) for record in records] for name in names}
+    return _columns(records)
 
 
 def write(columns: Mapping[str, Any], file: BinaryIO) -> None:

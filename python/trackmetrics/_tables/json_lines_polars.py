@@ -23,6 +23,9 @@ def read(source: bytes | Path, start: int = 0) -> dict[str, Any] | None:
         if frame is None:
             data = source if isinstance(source, bytes) else source.read_bytes()
             frame = pl.read_ndjson(io.BytesIO(data[start:]), infer_schema_length=None)
+            nested = any(isinstance(kind, pl.Struct) for kind in frame.dtypes)
+            if not nested and data.count(b'":', start) > len(frame.columns) * len(frame):
+                return None  # a record has a name twice, or text with such an end
         return {name: to_array(frame.drop_in_place(name)) for name in frame.columns}
     except (pl.exceptions.PolarsError, TypeError, ValueError):
         return None

@@ -14,6 +14,8 @@ from trackmetrics.logs.header import LogHeader
 def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
     """The columns in a file, and its header."""
     head = content.head()
+    if head.lstrip().startswith(b"["):
+        return json_lines.read(content.data, content.name), LogHeader()
     first = json_lines.first_record(head, content.name)
     if not headers.is_record(first):
         return json_lines.read(content.source, content.name), LogHeader()
