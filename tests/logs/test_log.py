@@ -83,9 +83,10 @@ def test_a_log_from_a_data_frame(library):
     table = {"who": ["a", "a", "b"], "nis": [1.0, 2.0, 3.0], "df": [2, 2, 4], "s0": [1.0, 2.0, 3.0]}
     module = pytest.importorskip(library)
     frame = module.table(table) if library == "pyarrow" else module.DataFrame(table)
-    log = EstimatorLog.from_frame(
-        frame, columns={"track": "who", "nis_dof": "df", "std": ["s0"]}, states=["s"]
-    )
+    names = {"track": "who", "nis_dof": "df", "std": ["s0"]}
+    with pytest.raises(ValueError, match=r"no column time .*time='row'"):
+        EstimatorLog.from_frame(frame, columns=names, states=["s"])
+    log = EstimatorLog.from_frame(frame, columns=names, states=["s"], time="row")
     assert log.tracks == ("a", "b")
     assert log["b"].nis_dof.tolist() == [4.0]
     assert log["a"].std.tolist() == [[1.0], [2.0]]

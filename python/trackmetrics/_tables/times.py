@@ -6,6 +6,7 @@ or without a zone; without one it is UTC), Go's ``2024-07-09 22:00:00 +0000 UTC`
 slashes or dots, whose order the whole column decides. Dates become seconds since 1970.
 """
 
+import datetime
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -63,6 +64,8 @@ def to_seconds(
     array = _as_array(argument, values)
     if array.dtype.kind == "M":
         return Times(_from_datetimes(argument, array), EPOCH)
+    if array.dtype.kind == "m":
+        return Times(_from_datetimes(argument, array))
     if array.dtype.kind in "biuf":
         return _from_numbers(array, unit)
     return _from_text(argument, array, date_order, strict)
@@ -77,6 +80,10 @@ def _as_array(argument: str, values: Any) -> NDArray[Any]:
     if array.dtype != object:
         return array
     present = next((v for v in array.ravel() if v is not None and v == v), None)
+    if isinstance(present, datetime.timedelta | np.timedelta64):
+        return np.array([np.timedelta64("NaT") if v is None else v for v in array], "m8[us]")
+    if type(present) is datetime.date:
+        return np.array([np.datetime64("NaT") if v is None else v for v in array], "M8[s]")
     if hasattr(present, "timestamp"):
         return np.array([_naive_utc(v) for v in array], "M8[us]")
     if present is None or isinstance(present, str):
@@ -103,7 +110,7 @@ def _from_datetimes(argument: str, array: NDArray[Any]) -> NDArray[np.float64]:
         raise ValueError(f"{argument}[{int(np.argmax(missing))}] is missing")
     unit = np.datetime_data(array.dtype)[0]
     if unit not in UNITS:
-        array, unit = array.astype("M8[s]"), "s"
+        array, unit = array.astype(f"{array.dtype.kind}8[s]"), "s"
     whole = array.astype(np.int64)
     per_second = int(UNITS[unit])
     # Whole seconds and the rest by themselves keep the digits that a float has.

@@ -47,9 +47,13 @@ def as_strings(name: str, values: Any, rows: int) -> Strings:
         return column
     listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
     if not set(map(type, listed)) <= {str, type(None)}:
-        listed = [None if is_missing(v) else str(v) for v in listed]
+        listed = [None if is_missing(v) else _as_text(v) for v in listed]
     column[:] = listed
     return column
+
+
+def _as_text(given: Any) -> str:
+    return given.decode() if isinstance(given, bytes) else str(given)
 
 
 def _number_texts(values: NDArray[Any]) -> list[str | None]:
@@ -83,23 +87,27 @@ def as_matrices(
     width: int | None,
     sizes: Integers | None = None,
     form: str | None = None,
+    *,
+    may_be_smaller: bool = False,
 ) -> Floats:
     """One square matrix a row, padded with NaN.
 
     A row is a matrix, or a list of all its elements, of its upper triangle row by row, or of its
     diagonal: which, the number of elements decides with ``sizes`` (the size of each row's matrix, 0
-    where it is not known). Where it is not known, two readings are an error; ``form`` decides.
+    where it is not known). Where it is not known, two readings are an error; ``form`` decides. A
+    matrix smaller than its size is an error unless it ``may_be_smaller``.
     """
     if form is not None and form not in COVARIANCE_FORMS:
         raise ValueError(
             f"covariance_forms[{name!r}] must be one of {shown(COVARIANCE_FORMS)}, "
             f"got {value(form)}"
         )
-    array = _whole(values, 3, rows, width)
-    if array is not None and array.shape[1] == array.shape[2]:
-        return array
     if sizes is None:
         sizes = np.full(rows, width or 0)
+    array = _whole(values, 3, rows, width)
+    if array is not None and array.shape[1] == array.shape[2]:
+        _check_size(name, array.shape[1], sizes, np.arange(rows))
+        return array
     ragged = as_ragged(name, values, rows, square=True)
     largest = 0
     blocks = []
@@ -117,6 +125,8 @@ def as_matrices(
             else (ragged.flat[ragged.starts[own][:, None] + np.arange(length)])
         )
         matrices = _FROM[found](np.asarray(elements, np.float64))
+        if not may_be_smaller:
+            _check_size(name, matrices.shape[1], sizes, own)
         largest = max(largest, matrices.shape[1])
         if width is not None and matrices.shape[1] > width:
             got = matrices.shape[1:]
@@ -130,6 +140,17 @@ def as_matrices(
         n = matrices.shape[1]
         column[own[:, None, None], np.arange(n)[:, None], np.arange(n)] = matrices
     return column
+
+
+def _check_size(name: str, size: int, sizes: Integers, rows: Integers) -> None:
+    """A matrix with fewer components than its vector is an error."""
+    small = sizes[rows] > size
+    if small.any():
+        row = int(rows[np.argmax(small)])
+        raise ValueError(
+            f"{name}[{row}] is {size} x {size}, the vectors of its row have {sizes[row]} "
+            "components; mark missing components by NaN"
+        )
 
 
 def _form(place: str, length: int, size: int, form: str | None, nested: bool) -> str:

@@ -11,7 +11,13 @@ def read(frame: Any) -> dict[str, Any]:
     """The columns of a data frame."""
     import narwhals
 
-    native = narwhals.from_native(frame, eager_only=True)
+    try:
+        native = narwhals.from_native(frame, eager_only=True)
+    except TypeError:
+        raise TypeError(
+            "frame must be a data frame of pandas, Polars or PyArrow (a lazy one collected first), "
+            f"got {type(frame).__module__}.{type(frame).__qualname__}"
+        ) from None
     return {name: _column(native[name]) for name in native.columns}
 
 

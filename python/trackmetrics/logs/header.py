@@ -7,6 +7,9 @@ from typing import Any, TypedDict
 LOG_SCHEMA = "trackmetrics-log/1"
 """Name of the form of a log in a file."""
 
+COVARIANCES_WRITTEN = "upper triangles up to the last component"
+"""How files hold covariances; said in their header."""
+
 MeasurementAngles = Mapping[str, Mapping[int, float]]
 
 
@@ -53,6 +56,8 @@ class LogHeader:
     nis_scale: float = 1.0
     epoch: str | None = None
     """Moment of time 0 in ISO 8601, where it is known."""
+    missing_ends_cut: bool = False
+    """Whether covariances come without the missing components at their ends, as we write them."""
 
     def over(self, found: "LogHeader") -> "LogHeader":
         """This header, and where it says nothing what was ``found`` in a file."""
@@ -65,7 +70,7 @@ class LogHeader:
             "epoch",
         )
         missing = {n: getattr(found, n) for n in names if getattr(self, n) is None}
-        return replace(self, **missing)
+        return replace(self, **missing, missing_ends_cut=found.missing_ends_cut)
 
 
 def to_record(
@@ -83,6 +88,7 @@ def to_record(
             for kind, angles in measurement_angles.items()
         },
         "time_unit": time_unit,
+        "covariances": COVARIANCES_WRITTEN,
     }
     return record | ({"epoch": epoch} if epoch else {})
 
@@ -107,4 +113,5 @@ def from_record(record: Mapping[str, Any], file: str) -> LogHeader:
         time_unit=record.get("time_unit", "s"),
         covariance_forms=dict.fromkeys(("P_pred", "P", "S", "R"), "upper"),
         epoch=record.get("epoch"),
+        missing_ends_cut=record.get("covariances") == COVARIANCES_WRITTEN,
     )

@@ -13,7 +13,7 @@ from trackmetrics.logs.columns import Columns, has_value
 from trackmetrics.logs.header import HeaderArguments, LogHeader, State, to_record
 from trackmetrics.logs.normalize import LogParts, normalize
 from trackmetrics.logs.schema import NUMERIC_COLUMNS
-from trackmetrics.logs.selection import Renaming, select_columns
+from trackmetrics.logs.selection import Renaming, check_selected, select_columns
 from trackmetrics.logs.serialization import to_table
 
 
@@ -175,10 +175,12 @@ class EstimatorLog:
         ``columns`` names the frame's columns where they differ from those of
         :meth:`from_columns`; a vector is a column of lists, or a list of columns:
         ``{"nis_dof": "df", "std": ["std_x", "std_y"]}``. The header is that of
-        :meth:`from_columns`.
+        :meth:`from_columns`; ``time="row"`` takes the numbers of the rows in each track as times,
+        where the frame has no column ``time``.
         """
-        table = select_columns(frames.read(frame), columns or {})
-        return cls.from_parts(normalize(table, LogHeader(**header)))
+        table, wanted = frames.read(frame), LogHeader(**header)
+        chosen = check_selected(select_columns(table, columns or {}), table, wanted.time)
+        return cls.from_parts(normalize(chosen, wanted))
 
     @classmethod
     def from_filterpy(

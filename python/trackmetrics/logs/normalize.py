@@ -13,6 +13,7 @@ from trackmetrics.logs import coercion, schema
 from trackmetrics.logs.columns import Columns, Integers
 from trackmetrics.logs.derived import derive
 from trackmetrics.logs.header import LogHeader, State
+from trackmetrics.logs.header_check import check_header
 from trackmetrics.logs.ordering import group_by_track
 from trackmetrics.logs.updates import scale_and_drop
 from trackmetrics.logs.validation import check_values
@@ -81,8 +82,10 @@ def _count(given: Mapping[str, Any]) -> int:
             continue
         if len(values):
             return len(values)
-        break
-    raise ValueError("the log is empty: expected at least one row")
+        raise ValueError("the log is empty: expected at least one row")
+    raise ValueError(
+        f"no column has rows ({shown(given)}): give at least one as an array or a list"
+    )
 
 
 def _times(given: Mapping[str, Any], header: LogHeader, rows: int) -> times.Times:
@@ -99,6 +102,7 @@ def _times(given: Mapping[str, Any], header: LogHeader, rows: int) -> times.Time
 
 def _states(given: Mapping[str, Any], header: LogHeader) -> tuple[State, ...]:
     """Every state with its name, unit and period."""
+    check_header(header)
     names = header.states
     if names is None:
         names = [f"x[{i}]" for i in range(header.state_dim or _state_width(given))]
@@ -108,31 +112,10 @@ def _states(given: Mapping[str, Any], header: LogHeader) -> tuple[State, ...]:
     place = {state.name: i for i, state in enumerate(states)}
     if len(place) < len(states):
         raise ValueError(f"states must have different names, got {shown(s.name for s in states)}")
-    if header.angles is not None and not isinstance(header.angles, Mapping):
-        raise TypeError(
-            f"angles must be a mapping of states to periods, got {value(header.angles)}"
-        )
     for key, period in (header.angles or {}).items():
         i = coercion.state_index("angles", key, place)
-        states[i] = State(states[i].name, states[i].unit, _period(key, period))
-    _check_measurement_angles(header)
+        states[i] = State(states[i].name, states[i].unit, float(period))
     return tuple(states)
-
-
-def _check_measurement_angles(header: LogHeader) -> None:
-    for kind, angles in (header.measurement_angles or {}).items():
-        if not isinstance(angles, Mapping):
-            raise TypeError(
-                f"measurement_angles[{kind!r}] must be a mapping of components to periods, "
-                f"got {value(angles)}"
-            )
-
-
-def _period(key: str | int, period: float) -> float:
-    is_number = isinstance(period, (int, float, np.number)) and not isinstance(period, bool)
-    if not is_number or not period > 0 or not np.isfinite(period):
-        raise ValueError(f"angles[{key!r}] must be a positive period, got {value(period)}")
-    return float(period)
 
 
 def _state_width(given: Mapping[str, Any]) -> int:
@@ -158,6 +141,7 @@ def _as_columns(
     n = len(states)
     place = {state.name: i for i, state in enumerate(states)}
     columns: dict[str, Any] = {"row": np.arange(rows), "time": np.zeros(rows)}
+    cut = header.missing_ends_cut
     # Vectors first: their lengths tell the sizes of the measurement's matrices.
     for name in sorted(given, key=lambda name: name in schema.MEASUREMENT_MATRIX_COLUMNS):
         values = given[name]
@@ -180,7 +164,9 @@ def _as_columns(
             sizes = None if is_state else _measurement_sizes(columns)
             form = (header.covariance_forms or {}).get(name)
             width = n if is_state else None
-            columns[name] = coercion.as_matrices(name, values, rows, width, sizes, form)
+            columns[name] = coercion.as_matrices(
+                name, values, rows, width, sizes, form, may_be_smaller=is_state or cut
+            )
     return _align(Columns(**columns))
 
 

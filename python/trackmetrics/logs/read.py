@@ -1,16 +1,14 @@
 """Reads logs from files of any form that :mod:`trackmetrics.logs.formats` lists."""
 
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Unpack
 
-from trackmetrics._tables import headings, opening
-from trackmetrics._tables.errors import value
+from trackmetrics._tables import opening
 from trackmetrics.logs import formats
 from trackmetrics.logs.header import HeaderArguments, LogHeader
 from trackmetrics.logs.log import EstimatorLog
 from trackmetrics.logs.normalize import normalize
-from trackmetrics.logs.schema import NUMERIC_COLUMNS
-from trackmetrics.logs.selection import Renaming, select_columns
+from trackmetrics.logs.selection import Renaming, check_selected, select_columns
 
 
 def read_log(
@@ -67,26 +65,7 @@ def read_log(
     table, found = form.read(content)
     wanted = LogHeader(**header).over(found)
     try:
-        chosen = select_columns(table, columns or {})
-        _check_columns(chosen, list(table), wanted.time)
+        chosen = check_selected(select_columns(table, columns or {}), table, wanted.time)
         return EstimatorLog.from_parts(normalize(chosen, wanted))
     except ValueError as error:
         raise type(error)(f"{content.name}: {error}") from None
-
-
-def _check_columns(chosen: dict[str, Any], headings_found: list[str], time: str | None) -> None:
-    """Refuse a table without times or without anything to diagnose; drop times not wanted."""
-    if not any(name in chosen for name in NUMERIC_COLUMNS):
-        raise ValueError(
-            f"no column to diagnose ({headings.nearest('nis', headings_found)}): expected nis and "
-            "nis_dof, or more; name them by columns={'nis': ...}"
-        )
-    if time == "row":
-        chosen.pop("time", None)
-    elif time is not None:
-        raise ValueError(f"time must be 'row' or absent, got {value(time)}")
-    elif "time" not in chosen:
-        raise ValueError(
-            f"no column time ({headings.nearest('time', headings_found)}): name it by "
-            "columns={'time': ...}, or say time='row' for the numbers of the rows"
-        )

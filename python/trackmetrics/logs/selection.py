@@ -8,8 +8,8 @@ import numpy as np
 
 from trackmetrics._tables import headings
 from trackmetrics._tables.columns import Ragged, from_padded
-from trackmetrics._tables.errors import shown
-from trackmetrics.logs.schema import COLUMN_NAMES
+from trackmetrics._tables.errors import shown, value
+from trackmetrics.logs.schema import COLUMN_NAMES, NUMERIC_COLUMNS
 
 Renaming = Mapping[str, str | Sequence[str]]
 Table = Mapping[str, Any]
@@ -31,6 +31,26 @@ def select_columns(table: Table, renaming: Renaming) -> dict[str, Any]:
             raise ValueError(f"columns: no column {missing[0]!r}; there are {shown(table)}")
         is_one = isinstance(source, str)
         chosen[name] = table[names[0]] if is_one else _together([table[n] for n in names])
+    return chosen
+
+
+def check_selected(chosen: dict[str, Any], table: Table, time: str | None) -> dict[str, Any]:
+    """The columns, if there are times and something to diagnose among them."""
+    names = list(table)
+    if not any(name in chosen for name in NUMERIC_COLUMNS):
+        raise ValueError(
+            f"no column to diagnose ({headings.nearest('nis', names)}): expected nis and "
+            "nis_dof, or more; name them by columns={'nis': ...}"
+        )
+    if time == "row":
+        return {name: values for name, values in chosen.items() if name != "time"}
+    if time is not None:
+        raise ValueError(f"time must be 'row' or absent, got {value(time)}")
+    if "time" not in chosen:
+        raise ValueError(
+            f"no column time ({headings.nearest('time', names)}): name it by "
+            "columns={'time': ...}, or say time='row' for the numbers of the rows"
+        )
     return chosen
 
 
