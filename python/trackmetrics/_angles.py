@@ -12,6 +12,10 @@ def wrap(differences: Any, periods: Any) -> NDArray[np.float64]:
     Half a period stays positive: 180 degrees is 180, and -180 becomes 180.
     """
     differences, periods = np.asarray(differences), np.asarray(periods)
+    if np.isnan(periods).all():
+        return np.broadcast_to(
+            differences, np.broadcast_shapes(differences.shape, periods.shape)
+        ).astype(np.float64)
     turns = np.ceil(differences / periods - 0.5)
     wrapped: NDArray[np.float64] = np.where(
         np.isnan(periods), differences, differences - np.nan_to_num(turns * periods)

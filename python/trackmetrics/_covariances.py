@@ -1,10 +1,44 @@
-"""Linear algebra of stacks of small covariances whose components may be missing (NaN)."""
+"""Linear algebra of stacks of small covariances whose components may be missing (NaN).
+
+Long stacks are processed in blocks of rows: temporary arrays then stay in the processor's cache and
+take no memory beside the stack's own. Each row's numbers are the same in any block.
+"""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics import _backend
+
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+BLOCK_ROWS = 4096
+MIN_ROWS_FOR_THREADS = 10 * BLOCK_ROWS
+MIN_SURE_PIVOT = 1e-8
+
+
+def row_blocks(rows: int) -> Iterator[slice]:
+    """Slices of at most ``BLOCK_ROWS`` rows that cover all rows."""
+    for first in range(0, rows, BLOCK_ROWS):
+        yield slice(first, min(first + BLOCK_ROWS, rows))
+
+
+def for_blocks(function: Callable[[slice], Any], rows: int) -> None:
+    """Call ``function`` for every block of rows, on as many threads as kernels may use.
+
+    Of the exceptions of several blocks, that of the first block is raised.
+    """
+    threads = _backend.threads() if rows >= MIN_ROWS_FOR_THREADS else 1
+    if threads == 1:
+        for block in row_blocks(rows):
+            function(block)
+        return
+    with ThreadPoolExecutor(threads) as executor:
+        for _ in executor.map(function, row_blocks(rows)):
+            pass
 
 
 def valid_components(vectors: Floats, covariances: Floats) -> Mask:
@@ -52,9 +86,37 @@ def whitened(errors: Floats, covariances: Floats, valid: Mask) -> Floats:
 def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
     """``e' P^-1 e`` of each row over its valid components; NaN where there is none."""
     forms = np.full(len(errors), np.nan)
+
+    def fill(block: slice) -> None:
+        forms[block] = _quadratic_forms(errors[block], covariances[block])
+
+    for_blocks(fill, len(errors))
+    return forms
+
+
+def _quadratic_forms(errors: Floats, covariances: Floats) -> Floats:
+    forms = np.full(len(errors), np.nan)
     valid = valid_components(errors, covariances)
     rows = valid.any(axis=1)
     if rows.any():
         white = whitened(errors[rows], covariances[rows], valid[rows])
         forms[rows] = (white**2).sum(axis=1)
     return forms
+
+
+def surely_definite(covariances: Floats) -> Mask:
+    """Which of these covariances are positive definite beyond rounding.
+
+    A Cholesky factorisation of all rows at once, element by element: a row whose pivots all stay
+    above ``MIN_SURE_PIVOT`` of its variances is definite for LAPACK as well. The others need a
+    closer look.
+    """
+    p = np.moveaxis(fill_missing_with_identity(covariances), 0, -1).copy()
+    least = MIN_SURE_PIVOT * np.einsum("iik->ik", p)
+    sure = np.ones(len(covariances), bool)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        for j in range(len(p)):
+            sure &= (p[j, j] > least[j]) & (least[j] > 0)
+            below = p[j + 1 :, j] / p[j, j]
+            p[j + 1 :, j + 1 :] -= below[:, None] * p[j + 1 :, j][None]
+    return sure

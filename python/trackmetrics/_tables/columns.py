@@ -47,7 +47,9 @@ class Ragged:
 
 def from_padded(values: NDArray[np.float64]) -> Ragged:
     """Rows without the NaN at their ends."""
-    there = ~np.isnan(values)
     width = values.shape[1]
+    if width and not np.isnan(values[:, -1]).any():
+        return Ragged(values.ravel(), np.full(len(values), width))
+    there = ~np.isnan(values)
     lengths = np.where(there.any(axis=1), width - np.argmax(there[:, ::-1], axis=1), 0)
     return Ragged(values[np.arange(width) < lengths[:, None]], lengths.astype(np.int64))

@@ -4,38 +4,57 @@ import csv
 import io
 import re
 from collections.abc import Collection, Mapping
-from typing import Any
+from pathlib import Path
+from typing import Any, BinaryIO
 
 import numpy as np
 
-from trackmetrics._tables import headings
-from trackmetrics._tables.errors import value
-from trackmetrics._tables.polars_columns import polars, to_array
+from trackmetrics._tables import delimited_polars, headings
+from trackmetrics._tables.numerals import MISSING, from_cells
+from trackmetrics._tables.polars_columns import data_frame, polars
 
-MISSING = ("", "NA", "N/A", "NaN", "nan", "NAN", "null", "NULL", "None", "<NA>", "#N/A")
-"""Cells that hold no value."""
-_ROWS_INFERRED = 1000
-_GROUPED = re.compile(r"-?\d{1,3}(?:,\d{3})+(?:\.\d+)?")
-_DECIMAL_COMMA = re.compile(r"-?\d+,\d+(?:[eE][+-]?\d+)?")
+_HEADING_BYTES = 1 << 20
 
 
-def read(data: bytes, file: str, text_columns: Collection[str] = ()) -> dict[str, Any]:
-    """The columns of delimited text under their headings; ``text_columns`` are never numbers."""
-    line, _, body = data.lstrip(b"\r\n").partition(b"\n")
+def read(
+    source: bytes | Path, file: str, text_columns: Collection[str] = (), start: int = 0
+) -> dict[str, Any]:
+    """The columns of delimited text under their headings; ``text_columns`` are never numbers.
+
+    The text is ``source`` from byte ``start`` on, or that of the file ``source``.
+    """
+    first = _bytes(source, start, _HEADING_BYTES)
+    line, _, _ = first.lstrip(b"\r\n").partition(b"\n")
+    body = start + len(first) - len(first.lstrip(b"\r\n")) + len(line) + 1
     delimiter = _delimiter(line.decode())
     if delimiter == " ":
-        # NumPy's savetxt pads with blanks; the heading may stand behind a lone ``#``.
         line = re.sub(rb"[ \t]+", b" ", re.sub(rb"^[#%]\s*", b"", line.strip()))
-        body = re.sub(rb"(?m)^ +| +$", b"", re.sub(rb"[ \t]+", b" ", body))
-    names = headings.clean(
-        next(csv.reader([line.decode().rstrip("\r")], delimiter=delimiter)), file
-    )
-    known = {name for name in names if headings.match([name], text_columns) or name in text_columns}
-    decimal_comma = delimiter == ";" and _has_decimal_commas(body[:65536].decode(errors="replace"))
-    columns = _read_fast(body, file, names, delimiter, decimal_comma, known)
-    if columns is None:
-        columns = _read_small(body, file, names, delimiter, decimal_comma, known)
-    return {name: _numbers_in_quotes(file, name, c, known) for name, c in columns.items()}
+        source, body = _single_blanks(_bytes(source, body)), 0
+    cells = next(csv.reader([line.decode().rstrip("\r")], delimiter=delimiter))
+    names = headings.clean(cells, file)
+    text = {name for name in names if headings.match([name], text_columns) or name in text_columns}
+    comma = delimiter == ";" and _has_decimal_commas(_bytes(source, body, 1 << 16))
+    if polars() is not None:
+        columns = delimited_polars.read(source, body, file, names, delimiter, comma, text)
+        if columns is not None:
+            return columns
+    return _read_small(_bytes(source, body), file, names, delimiter, comma, text)
+
+
+def _bytes(source: bytes | Path, start: int, count: int = -1) -> bytes:
+    """``count`` bytes from ``start``, or all."""
+    if isinstance(source, bytes):
+        return source[start : None if count < 0 else start + count]
+    with source.open("rb") as file:
+        file.seek(start)
+        return file.read(count)
+
+
+def _single_blanks(body: bytes) -> bytes:
+    """Text in which one blank separates cells: NumPy's ``savetxt`` pads with blanks."""
+    if b"\t" in body or b"  " in body:
+        body = re.sub(rb"[ \t]+", b" ", body)
+    return body.replace(b"\n ", b"\n").replace(b" \n", b"\n").replace(b" \r", b"\r").strip(b" ")
 
 
 def _delimiter(heading: str) -> str:
@@ -46,51 +65,9 @@ def _delimiter(heading: str) -> str:
     return " " if " " in bare.strip().lstrip("#% ") else ","
 
 
-def _has_decimal_commas(sample: str) -> bool:
-    cells = [c.strip() for c in re.split(r"[;\n]", sample)]
-    return any(_DECIMAL_COMMA.fullmatch(c) for c in cells)
-
-
-def _read_fast(
-    body: bytes, file: str, names: list[str], delimiter: str, comma: bool, text: Collection[str]
-) -> dict[str, Any] | None:
-    pl = polars()
-    if pl is None or not body.strip():
-        return None
-    options = {
-        "has_header": False,
-        "separator": delimiter,
-        "decimal_comma": comma,
-        "null_values": list(MISSING),
-        "schema_overrides": {f"column_{names.index(n) + 1}": pl.String for n in text},
-    }
-    # The first rows tell what a column holds, most often; if a later one differs, all of them.
-    for inferred in (_ROWS_INFERRED, None):
-        try:
-            frame = pl.read_csv(io.BytesIO(body), infer_schema_length=inferred, **options)
-            break
-        except pl.exceptions.PolarsError:
-            continue
-    else:
-        return None  # the small reader names the row
-    if len(frame.columns) != len(names):
-        return None
-    frame.columns = names
-    if frame[names[-1]].null_count() and _has_short_rows(body, delimiter, len(names)):
-        return None  # likewise
-    return {name: to_array(frame[name]) for name in names}
-
-
-def _has_short_rows(body: bytes, delimiter: str, cells: int) -> bool:
-    """Whether a row has fewer cells than there are headings."""
-    if b'"' in body:
-        rows = csv.reader(io.StringIO(body.decode()), delimiter=delimiter)
-        return any(row and len(row) != cells for row in rows)
-    bytes_ = np.frombuffer(body.rstrip(b"\r\n") + b"\n", np.uint8)
-    ends = np.flatnonzero(bytes_ == ord("\n"))
-    delimiters = np.searchsorted(np.flatnonzero(bytes_ == ord(delimiter)), ends)
-    is_blank = np.diff(ends, prepend=-1) <= 1 + (bytes_[ends - 1] == ord("\r"))
-    return bool((~is_blank & (np.diff(delimiters, prepend=0) != cells - 1)).any())
+def _has_decimal_commas(sample: bytes) -> bool:
+    cells = (c.strip() for c in re.split(r"[;\n]", sample.decode(errors="replace")))
+    return any(re.fullmatch(r"-?\d+,\d+(?:[eE][+-]?\d+)?", c) for c in cells)
 
 
 def _read_small(
@@ -105,62 +82,17 @@ def _read_small(
     columns: dict[str, Any] = {}
     for place, name in enumerate(names):
         cells = [None if cell.strip() in MISSING else cell for cell in table[:, place]]
-        columns[name] = _from_cells(cells, comma) if name not in text else np.array(cells, object)
+        as_text = np.array(cells, object)
+        columns[name] = as_text if name in text else from_cells(file, name, as_text, comma)
     return columns
 
 
-def _from_cells(cells: list[str | None], comma: bool) -> Any:
-    try:
-        values = [
-            np.nan if c is None else float(c.replace(",", ".") if comma else c) for c in cells
-        ]
-    except ValueError:
-        return np.array(cells, object)
-    return np.array(values, np.float64)
-
-
-def _numbers_in_quotes(file: str, name: str, column: Any, text: Collection[str]) -> Any:
-    """Quoted numbers with a decimal comma; thousands separators are refused."""
-    if not isinstance(column, np.ndarray) or column.dtype.kind != "O" or name in text:
-        return column
-    cells = [c for c in column if c is not None]
-    if not cells or not all(_DECIMAL_COMMA.fullmatch(c.strip()) or _is_number(c) for c in cells):
-        for row, cell in enumerate(column):
-            if cell is not None and _GROUPED.fullmatch(cell.strip()) and "." in cell:
-                raise ValueError(
-                    f"{file}, row {row}: {name} is {value(cell)}, with a thousands separator: "
-                    "write it without"
-                )
-        return column
-    with_comma = [c for c in cells if "," in c]
-    if with_comma and all(_GROUPED.fullmatch(c.strip()) for c in with_comma):
-        row = next(r for r, c in enumerate(column) if c is not None and "," in c)
-        raise ValueError(
-            f"{file}, row {row}: {name} is {value(column[row])}: a thousands separator or a "
-            "decimal comma? Write a decimal point"
-        )
-    return np.array([np.nan if c is None else float(c.replace(",", ".")) for c in column])
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def write(columns: Mapping[str, Any]) -> bytes:
-    """Columns as comma-separated text with a heading; missing cells are empty."""
-    pl = polars()
-    if pl is None:
-        return _write_small(columns)
-    from trackmetrics._tables.polars_columns import from_array
-
-    frame = pl.DataFrame({name: from_array(column) for name, column in columns.items()})
-    out = io.BytesIO()
-    frame.write_csv(out)
-    return out.getvalue()
+def write(columns: Mapping[str, Any], file: BinaryIO) -> None:
+    """Write columns as comma-separated text with a heading; missing cells are empty."""
+    if polars() is None:
+        file.write(_write_small(columns))
+        return
+    data_frame(columns).write_csv(file)
 
 
 def _write_small(columns: Mapping[str, Any]) -> bytes:

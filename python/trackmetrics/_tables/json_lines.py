@@ -3,12 +3,14 @@
 import io
 import json
 from collections.abc import Mapping
-from typing import Any
+from pathlib import Path
+from typing import Any, BinaryIO
 
 import numpy as np
 
+from trackmetrics._tables import json_lines_polars
 from trackmetrics._tables.columns import Ragged
-from trackmetrics._tables.polars_columns import from_array, polars, to_array
+from trackmetrics._tables.polars_columns import data_frame, polars
 
 
 def first_record(data: bytes, file: str) -> dict[str, Any]:
@@ -31,16 +33,17 @@ def parse(line: str, file: str, number: int) -> dict[str, Any]:
     return record
 
 
-def read(data: bytes, file: str, first_line: int = 1) -> dict[str, Any]:
-    """The columns of the records; what a record lacks is missing."""
-    pl = polars()
-    if pl is not None and data.strip():
-        try:
-            frame = pl.read_ndjson(io.BytesIO(data), infer_schema_length=None)
-            return {name: to_array(frame[name]) for name in frame.columns}
-        except (pl.exceptions.PolarsError, TypeError, ValueError):
-            pass  # the small reader names the line
-    return _read_small(data, file, first_line)
+def read(source: bytes | Path, file: str, start: int = 0, first_line: int = 1) -> dict[str, Any]:
+    """The columns of the records; what a record lacks is missing.
+
+    The text is ``source`` from byte ``start`` on, or that of the file ``source``.
+    """
+    if polars() is not None:
+        columns = json_lines_polars.read(source, start)
+        if columns is not None:
+            return columns
+    data = source if isinstance(source, bytes) else source.read_bytes()
+    return _read_small(data[start:], file, first_line)
 
 
 def _read_small(data: bytes, file: str, first_line: int) -> dict[str, Any]:
@@ -50,15 +53,12 @@ def _read_small(data: bytes, file: str, first_line: int) -> dict[str, Any]:
     return {name: [record.get(name) for record in records] for name in names}
 
 
-def write(columns: Mapping[str, Any]) -> bytes:
-    """Columns as one record a line; missing values are null."""
-    pl = polars()
-    if pl is None:
-        return _write_small(columns)
-    frame = pl.DataFrame({name: from_array(column) for name, column in columns.items()})
-    out = io.BytesIO()
-    frame.write_ndjson(out)
-    return out.getvalue()
+def write(columns: Mapping[str, Any], file: BinaryIO) -> None:
+    """Write columns as one record a line; missing values are null."""
+    if polars() is None:
+        file.write(_write_small(columns))
+        return
+    data_frame(columns).write_ndjson(file)
 
 
 def _write_small(columns: Mapping[str, Any]) -> bytes:

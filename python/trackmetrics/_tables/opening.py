@@ -4,6 +4,7 @@ Recognised by the first bytes, whatever the file is called: gzip, xz, zip with o
 UTF-8 with or without a byte order mark, UTF-16 with one.
 """
 
+import codecs
 import gzip
 import io
 import lzma
@@ -25,25 +26,72 @@ _KNOWN = (
 )
 
 
+_MAGIC = (
+    *(magic for table in (_UNPACKED, _MARKS, _KNOWN) for magic, _ in table),
+    b"PK\x03\x04",
+    b"ULog",
+)
+HEAD_BYTES = 1 << 22
+
+
 @dataclass(frozen=True)
 class Content:
     """What a file holds: UTF-8 text, or the bytes of a Parquet file or of a PX4 flight log."""
 
     name: str
     """The file's name, for messages."""
-    data: bytes
+    source: bytes | Path
+    """The content itself, or the file whose bytes are the content as they are."""
     kind: str
     """``"text"``, ``"parquet"`` or ``"ulog"``."""
 
+    @property
+    def data(self) -> bytes:
+        """The whole content."""
+        return self.source if isinstance(self.source, bytes) else self.source.read_bytes()
+
+    def head(self, count: int = HEAD_BYTES) -> bytes:
+        """The first bytes."""
+        if isinstance(self.source, bytes):
+            return self.source[:count]
+        with self.source.open("rb") as file:
+            return file.read(count)
+
 
 def read(path: str | os.PathLike[str], *, may_be_empty: bool = False) -> Content:
-    """The content of a file, unpacked; ``-`` is standard input."""
-    name = "standard input" if os.fspath(path) == "-" else Path(path).name
-    data = sys.stdin.buffer.read() if os.fspath(path) == "-" else Path(path).read_bytes()
-    found = content(name, data)
-    if not found.data.strip() and not may_be_empty:
-        raise ValueError(f"{name} is empty")
+    """The content of a file, unpacked; ``-`` is standard input.
+
+    A file that needs no unpacking stays where it is, however large: its readers read it there.
+    """
+    if os.fspath(path) == "-":
+        found = content("standard input", sys.stdin.buffer.read())
+    elif not (path := Path(path)).is_file():
+        found = content(path.name, path.read_bytes())
+    else:
+        found = _in_place(path) or content(path.name, path.read_bytes())
+    if not may_be_empty and not found.head().strip() and not found.data.strip():
+        raise ValueError(f"{found.name} is empty")
     return found
+
+
+def _in_place(path: Path) -> Content | None:
+    """The content of a file that is text or Parquet as it is; None for anything else."""
+    with path.open("rb") as file:
+        head = file.read(4096)
+        if head.startswith(b"PAR1"):
+            return Content(path.name, path, "parquet")
+        if head.startswith(_MAGIC) or b"\x00" in head:
+            return None
+        decoder = codecs.getincrementaldecoder("utf-8")()
+        block = head
+        while block:
+            if decoder.getstate()[0] or not block.isascii():
+                try:
+                    decoder.decode(block)
+                except UnicodeDecodeError:
+                    return None
+            block = file.read(1 << 20)
+    return None if decoder.getstate()[0] else Content(path.name, path, "text")
 
 
 def content(name: str, data: bytes) -> Content:

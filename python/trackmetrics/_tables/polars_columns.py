@@ -1,5 +1,6 @@
 """Between columns and Polars: the only file that knows how Polars holds them."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,11 @@ def _lengths(series: Any) -> NDArray[np.int64]:
         series = series.arr.to_list()
     lengths: NDArray[np.int64] = series.list.len().fill_null(0).to_numpy().astype(np.int64)
     return lengths
+
+
+def data_frame(columns: Mapping[str, Any]) -> Any:
+    """A Polars data frame of columns."""
+    return polars().DataFrame({name: from_array(column) for name, column in columns.items()})
 
 
 def from_array(column: Any) -> Any:

@@ -44,8 +44,11 @@ def as_strings(name: str, values: Any, rows: int) -> Strings:
     column = np.empty(rows, object)
     if isinstance(values, np.ndarray) and values.dtype.kind in "fiu":
         column[:] = _number_texts(values)
-    else:
-        column[:] = [None if is_missing(v) else str(v) for v in values]
+        return column
+    listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
+    if not set(map(type, listed)) <= {str, type(None)}:
+        listed = [None if is_missing(v) else str(v) for v in listed]
+    column[:] = listed
     return column
 
 
@@ -108,7 +111,11 @@ def as_matrices(
             continue
         own = np.flatnonzero(keys == key)
         found = _form(f"{name}[{own[0]}]", length, size, form, ragged.nested)
-        elements = ragged.flat[ragged.starts[own][:, None] + np.arange(length)]
+        elements = (
+            ragged.rows_of_length(length)[1]
+            if len(own) == rows
+            else (ragged.flat[ragged.starts[own][:, None] + np.arange(length)])
+        )
         matrices = _FROM[found](np.asarray(elements, np.float64))
         largest = max(largest, matrices.shape[1])
         if width is not None and matrices.shape[1] > width:
@@ -116,6 +123,8 @@ def as_matrices(
             raise ValueError(f"{name}[{own[0]}] has shape {got}, expected {(width, width)}")
         blocks.append((own, matrices))
     size = largest if width is None else width
+    if len(blocks) == 1 and len(blocks[0][0]) == rows and largest == size:
+        return blocks[0][1]
     column = np.full((rows, size, size), np.nan)
     for own, matrices in blocks:
         n = matrices.shape[1]
@@ -166,10 +175,10 @@ def _from_full(elements: Floats) -> Floats:
 
 def _from_upper(elements: Floats) -> Floats:
     n = math.isqrt(2 * elements.shape[1])
-    matrices = np.zeros((len(elements), n, n))
+    place = np.zeros((n, n), np.int64)
     i, j = np.triu_indices(n)
-    matrices[:, i, j] = matrices[:, j, i] = elements
-    return matrices
+    place[i, j] = place[j, i] = np.arange(elements.shape[1])
+    return np.take(elements, place.ravel(), axis=1).reshape(-1, n, n)
 
 
 def _from_diagonal(elements: Floats) -> Floats:

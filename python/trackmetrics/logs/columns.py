@@ -83,7 +83,14 @@ def has_value(column: Floats) -> NDArray[np.bool_]:
     """Which rows of a column have a value."""
     if not len(column):
         return np.zeros(0, bool)
-    there: NDArray[np.bool_] = np.logical_not(np.isnan(column.reshape(len(column), -1)).all(axis=1))
+    rows = column.reshape(len(column), -1)
+    if not rows.shape[1]:
+        return np.zeros(len(column), bool)
+    # Most rows have their first element: only the others are looked at further.
+    there: NDArray[np.bool_] = ~np.isnan(rows[:, 0])
+    if not there.all():
+        others = np.flatnonzero(~there)
+        there[others] = ~np.isnan(rows[others]).all(axis=1)
     return there
 
 

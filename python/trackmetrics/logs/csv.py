@@ -17,12 +17,15 @@ from trackmetrics.logs.schema import STRING_COLUMNS
 
 def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
     """The columns in a file, and its header."""
-    data, header = content.data, LogHeader()
-    if data.startswith(b"# {"):
-        first, _, data = data.partition(b"\n")
+    start, header = 0, LogHeader()
+    head = content.head()
+    if head.startswith(b"# {"):
+        first = head.partition(b"\n")[0]
+        start = len(first) + 1
         record = json_lines.parse(first[2:].decode(), content.name, 1)
         header = headers.from_record(record, content.name)
-    return delimited.read(data, content.name, ("track", *STRING_COLUMNS)), header
+    text = ("track", *STRING_COLUMNS)
+    return delimited.read(content.source, content.name, text, start), header
 
 
 def write(path: Path, header: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
@@ -34,7 +37,9 @@ def write(path: Path, header: Mapping[str, Any], columns: Mapping[str, Any]) -> 
         else:
             flat[name] = column
     comment = "# " + json.dumps(header, ensure_ascii=False) + "\n"
-    path.write_bytes(comment.encode() + delimited.write(flat))
+    with path.open("wb") as file:
+        file.write(comment.encode())
+        delimited.write(flat, file)
 
 
 def _elements(column: Ragged) -> Any:

@@ -71,7 +71,7 @@ def to_read(path: Path | str, content: Content) -> Format:
     known = {".txt", ".tsv", ".dat", ".json", ".ndjson", ".gz", ".xz", ".zip"}
     if endings and not endings <= known and str(path) != "-":
         raise ValueError(f"path must end in {suffixes()}, got {Path(path).name!r}")
-    is_json = content.data.lstrip()[:1] == b"{"
+    is_json = content.head().lstrip()[:1] == b"{"
     return next(f for f in FORMATS if f.suffix == (".jsonl" if is_json else ".csv"))
 
 

@@ -13,14 +13,17 @@ from trackmetrics.logs.header import LogHeader
 
 def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
     """The columns in a file, and its header."""
-    first = json_lines.first_record(content.data, content.name)
+    head = content.head()
+    first = json_lines.first_record(head, content.name)
     if not headers.is_record(first):
-        return json_lines.read(content.data, content.name), LogHeader()
-    body = content.data.lstrip().partition(b"\n")[2]
-    return json_lines.read(body, content.name, 2), headers.from_record(first, content.name)
+        return json_lines.read(content.source, content.name), LogHeader()
+    start = head.index(b"\n", head.index(b"{")) + 1 if b"\n" in head.strip() else len(head)
+    table = json_lines.read(content.source, content.name, start, 2)
+    return table, headers.from_record(first, content.name)
 
 
 def write(path: Path, header: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
     """Write columns as they are serialised."""
-    first = json.dumps(header, ensure_ascii=False).encode()
-    path.write_bytes(first + b"\n" + json_lines.write(columns))
+    with path.open("wb") as file:
+        file.write(json.dumps(header, ensure_ascii=False).encode() + b"\n")
+        json_lines.write(columns, file)

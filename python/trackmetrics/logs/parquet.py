@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmetrics._tables.opening import Content
-from trackmetrics._tables.polars_columns import from_array, to_array
+from trackmetrics._tables.polars_columns import data_frame, to_array
 from trackmetrics.logs import header as headers
 from trackmetrics.logs.header import LogHeader
 
@@ -18,15 +18,13 @@ def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
     """The columns in a file, and its header."""
     import polars
 
-    frame = polars.read_parquet(io.BytesIO(content.data))
-    metadata = polars.read_parquet_metadata(io.BytesIO(content.data)).get(METADATA_KEY)
+    source = content.source if isinstance(content.source, Path) else io.BytesIO(content.source)
+    metadata = polars.read_parquet_metadata(source).get(METADATA_KEY)
+    frame = polars.read_parquet(source)
     header = headers.from_record(json.loads(metadata), content.name) if metadata else LogHeader()
-    return {name: to_array(frame[name]) for name in frame.columns}, header
+    return {name: to_array(frame.drop_in_place(name)) for name in frame.columns}, header
 
 
 def write(path: Path, header: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
     """Write columns as they are serialised."""
-    import polars
-
-    frame = polars.DataFrame({name: from_array(column) for name, column in columns.items()})
-    frame.write_parquet(path, metadata={METADATA_KEY: json.dumps(header)})
+    data_frame(columns).write_parquet(path, metadata={METADATA_KEY: json.dumps(header)})

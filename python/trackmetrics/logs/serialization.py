@@ -45,21 +45,25 @@ def to_table(
 
 def _cells(name: str, column: Floats, rows: NDArray[np.bool_]) -> Any:
     """The values of a column in the rows that were logged."""
-    blank = rows.reshape((-1,) + (1,) * (column.ndim - 1))
+    if not rows.all():
+        column = np.where(rows.reshape((-1,) + (1,) * (column.ndim - 1)), column, np.nan)
     if name in SCALAR_COLUMNS:
-        return np.where(rows, column, np.nan)
+        return column
     if column.ndim == 2:
-        return from_padded(np.where(blank, column, np.nan))
+        return from_padded(column)
     if name in OBSERVATION_COLUMNS:
-        return from_padded(np.where(blank, column, np.nan).reshape(len(column), -1))
-    return _matrices(np.where(blank, column, np.nan), name in COVARIANCE_COLUMNS)
+        return from_padded(column.reshape(len(column), -1))
+    return _matrices(column, name in COVARIANCE_COLUMNS)
 
 
 def _matrices(column: Floats, is_symmetric: bool) -> Ragged:
     """Each matrix up to its last component, as its upper triangle where it is symmetric."""
     n = column.shape[1]
     diagonal = np.einsum("kii->ki", column)
-    sizes = np.where(np.isnan(diagonal), 0, np.arange(1, n + 1)).max(axis=1, initial=0)
     i, j = np.triu_indices(n) if is_symmetric else map(np.ravel, np.indices((n, n)))
+    elements = np.take(column.reshape(len(column), -1), i * n + j, axis=1)
+    if n and not np.isnan(diagonal[:, -1]).any():
+        return Ragged(elements.ravel(), np.full(len(column), elements.shape[1]))
+    sizes = np.where(np.isnan(diagonal), 0, np.arange(1, n + 1)).max(axis=1, initial=0)
     kept = np.maximum(i, j) < sizes[:, None]
-    return Ragged(column[:, i, j][kept], kept.sum(axis=1))
+    return Ragged(elements[kept], kept.sum(axis=1))

@@ -1,11 +1,13 @@
 """What can be wrong with the values of a log, and the message that names the row."""
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics._covariances import to_unit_diagonal
+from trackmetrics._covariances import for_blocks, row_blocks, surely_definite, to_unit_diagonal
 from trackmetrics._tables.errors import value
-from trackmetrics.logs.columns import Columns, Floats, has_value
+from trackmetrics.logs.columns import Columns, Floats, Integers, has_value
 from trackmetrics.logs.schema import (
     COVARIANCE_COLUMNS,
     DOF_COLUMNS,
@@ -32,11 +34,18 @@ def check_values(columns: Columns, timed: bool) -> None:
 def _check_finite(name: str, column: Floats) -> None:
     """No infinity; of a matrix a missing component misses its whole row and column,
     of H its row."""
-    bad = np.isinf(column)
-    if column.ndim == 3:
-        bad |= np.isnan(column) & ~_missing(name, column)
-    if bad.any():
+    for block in row_blocks(len(column)):
+        part = column[block]
+        with np.errstate(over="ignore", invalid="ignore"):
+            if np.isfinite(part.sum()):
+                continue
+        bad = np.isinf(part)
+        if part.ndim == 3:
+            bad |= np.isnan(part) & ~_missing(name, part)
+        if not bad.any():
+            continue
         index = np.argwhere(bad)[0]
+        index[0] += block.start
         place = "".join(f"[{int(i)}]" for i in index)
         raise ValueError(f"{name}{place} is not finite: {float(column[tuple(index)])!r}")
 
@@ -113,35 +122,38 @@ def check_covariances(columns: Columns) -> None:
         column = getattr(columns, name)
         if column is None or column.shape[1] == 0:
             continue
-        rows = np.flatnonzero(has_value(column))
-        if len(rows):
-            _check_symmetric(name, column, rows, columns)
-            _check_definite(name, column, rows, columns)
+        for_blocks(partial(_check_block, name, column, columns.row), len(column))
 
 
-def _check_symmetric(name: str, column: Floats, rows: NDArray[np.int64], columns: Columns) -> None:
-    p = column[rows]
+def _check_block(name: str, column: Floats, row: Integers, block: slice) -> None:
+    rows = block.start + np.flatnonzero(has_value(column[block]))
+    if len(rows):
+        p = column[block] if len(rows) == block.stop - block.start else column[rows]
+        _check_symmetric(name, p, row[rows])
+        _check_definite(name, p, row[rows])
+
+
+def _check_symmetric(name: str, p: Floats, rows: Integers) -> None:
+    transposed = p.swapaxes(1, 2)
+    if (p == transposed).all():
+        return
     d = np.sqrt(np.abs(np.einsum("kii->ki", p)))
-    bad = np.abs(p - p.swapaxes(1, 2)) > 1e-8 * d[:, :, None] * d[:, None, :]
+    bad = np.abs(p - transposed) > 1e-8 * d[:, :, None] * d[:, None, :]
     if bad.any():
         k, i, j = (int(v) for v in np.argwhere(bad)[0])
         raise ValueError(
-            f"{name}[{columns.row[rows[k]]}] is not symmetric: "
-            f"elements [{i}, {j}] and [{j}, {i}] differ"
+            f"{name}[{rows[k]}] is not symmetric: elements [{i}, {j}] and [{j}, {i}] differ"
         )
 
 
-def _check_definite(name: str, column: Floats, rows: NDArray[np.int64], columns: Columns) -> None:
-    scaled = to_unit_diagonal(column[rows])
-    try:
-        np.linalg.cholesky(scaled)
-    except np.linalg.LinAlgError:
-        for k, matrix in zip(rows, scaled, strict=True):
-            minor = _failing_minor(matrix)
-            if minor:
-                raise np.linalg.LinAlgError(
-                    f"{name}[{columns.row[k]}] is not positive definite (leading minor {minor})"
-                ) from None
+def _check_definite(name: str, p: Floats, rows: Integers) -> None:
+    doubtful = np.flatnonzero(~surely_definite(p))
+    for k, scaled in zip(doubtful.tolist(), to_unit_diagonal(p[doubtful]), strict=True):
+        minor = _failing_minor(scaled)
+        if minor:
+            raise np.linalg.LinAlgError(
+                f"{name}[{rows[k]}] is not positive definite (leading minor {minor})"
+            )
 
 
 def _failing_minor(matrix: Floats) -> int:

@@ -72,7 +72,7 @@ def read_ais(
 def _table(
     found: opening.Content, columns: Mapping[str, str], date_order: str | None
 ) -> ais_columns.Table:
-    head = found.data[:65536].lstrip()
+    head = found.head().lstrip()
     if head.startswith((b"{", b"[")):
         raw = _from_json(found, columns)
     elif _SENTENCE.search(head) and not columns:
@@ -91,7 +91,7 @@ def _table(
 def _read_delimited(found: opening.Content) -> dict[str, Any]:
     text = {*ais_columns.NAMES["vessel"], "MMSI"}
     try:
-        return delimited.read(found.data, found.name, text)
+        return delimited.read(found.source, found.name, text)
     except ValueError as error:
         if not _SHORT_ROW.search(str(error)):
             raise
