@@ -196,3 +196,17 @@ def test_json_of_pandas(tmp_path, form):
     frame = pandas.DataFrame(table())
     frame.to_json(path, orient="records", lines=form == "lines", double_precision=15)
     np.testing.assert_allclose(read_log(path).columns.nis, NIS, rtol=0, atol=1e-14)
+
+
+def test_without_polars_the_extra_is_named(tmp_path, monkeypatch):
+    from trackmetrics.logs import parquet, read
+
+    path = tmp_path / "log.csv"
+    path.write_bytes(matlab_writetable())
+    use("small", monkeypatch)
+    monkeypatch.setattr(read, "polars", lambda: None)
+    assert not read_log(path).notes
+    monkeypatch.setattr(read, "MAX_SMALL_BYTES", 1000)
+    assert "trackmetrics[files]" in read_log(path).notes[-1]
+    with pytest.raises(ModuleNotFoundError, match=r"Parquet needs Polars: .*trackmetrics\[files\]"):
+        parquet.write(tmp_path / "log.parquet", {}, {})

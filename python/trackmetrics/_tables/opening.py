@@ -50,6 +50,13 @@ class Content:
         """The whole content."""
         return self.source if isinstance(self.source, bytes) else self.source.read_bytes()
 
+    @property
+    def size(self) -> int:
+        """The number of bytes."""
+        if isinstance(self.source, bytes):
+            return len(self.source)
+        return self.source.stat().st_size
+
     def head(self, count: int = HEAD_BYTES) -> bytes:
         """The first bytes."""
         if isinstance(self.source, bytes):

@@ -18,6 +18,16 @@ def polars() -> Any:
     return polars
 
 
+def need_polars(for_what: str) -> Any:
+    """The module; an error that names the extra where it is not installed."""
+    found = polars()
+    if found is None:
+        raise ModuleNotFoundError(
+            f"{for_what} needs Polars: pip install 'trackmetrics[files]'", name="polars"
+        )
+    return found
+
+
 def to_array(series: Any) -> Any:
     """A column as float64 (missing: NaN), text (missing: None), datetime64 or :class:`Ragged`."""
     pl = polars()

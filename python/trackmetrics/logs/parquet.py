@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmetrics._tables.opening import Content
-from trackmetrics._tables.polars_columns import data_frame, to_array
+from trackmetrics._tables.polars_columns import data_frame, need_polars, to_array
 from trackmetrics.logs import header as headers
 from trackmetrics.logs.header import LogHeader
 
@@ -16,8 +16,7 @@ METADATA_KEY = "trackmetrics"
 
 def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
     """The columns in a file, and its header."""
-    import polars
-
+    polars = need_polars("Parquet")
     source = content.source if isinstance(content.source, Path) else io.BytesIO(content.source)
     metadata = polars.read_parquet_metadata(source).get(METADATA_KEY)
     frame = polars.read_parquet(source)
@@ -27,4 +26,5 @@ def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
 
 def write(path: Path, header: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
     """Write columns as they are serialised."""
+    need_polars("Parquet")
     data_frame(columns).write_parquet(path, metadata={METADATA_KEY: json.dumps(header)})

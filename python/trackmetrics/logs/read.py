@@ -1,14 +1,20 @@
 """Reads logs from files of any form that :mod:`trackmetrics.logs.formats` lists."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
 
 from trackmetrics._tables import opening
+from trackmetrics._tables.polars_columns import polars
 from trackmetrics.logs import formats
 from trackmetrics.logs.header import HeaderArguments, LogHeader
 from trackmetrics.logs.log import EstimatorLog
 from trackmetrics.logs.normalize import normalize
 from trackmetrics.logs.selection import Renaming, check_selected, select_columns
+
+MAX_SMALL_BYTES = 1_000_000
+"""Text of more bytes than this is read slowly without Polars."""
+SLOW = "read without Polars, row by row: pip install 'trackmetrics[files]' is many times faster"
 
 
 def read_log(
@@ -66,6 +72,9 @@ def read_log(
     wanted = LogHeader(**header).over(found)
     try:
         chosen = check_selected(select_columns(table, columns or {}), table, wanted.time)
-        return EstimatorLog.from_parts(normalize(chosen, wanted))
+        parts = normalize(chosen, wanted)
     except ValueError as error:
         raise type(error)(f"{content.name}: {error}") from None
+    if form.kind == "text" and polars() is None and content.size > MAX_SMALL_BYTES:
+        parts = replace(parts, notes=(*parts.notes, SLOW))
+    return EstimatorLog.from_parts(parts)
