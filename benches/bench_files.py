@@ -105,9 +105,11 @@ def in_new_process(what: str, path: Path) -> dict[str, float]:
 
 
 def main() -> None:
+    import trackmetrics
     from harness import Bench
 
     bench = Bench("files")
+    trackmetrics.set_threads(0)  # as many as the machine has, as in the processes of the rows
     with tempfile.TemporaryDirectory() as folder:
         for kind, target in TARGETS.items():
             path = Path(folder) / f"log.{kind}"

@@ -210,3 +210,30 @@ def test_without_polars_the_extra_is_named(tmp_path, monkeypatch):
     assert "trackmetrics[files]" in read_log(path).notes[-1]
     with pytest.raises(ModuleNotFoundError, match=r"Parquet needs Polars: .*trackmetrics\[files\]"):
         parquet.write(tmp_path / "log.parquet", {}, {})
+
+
+@pytest.mark.parametrize("library", ["polars", "pandas", "pyarrow"])
+def test_frames_give_every_bit_back(library):
+    pytest.importorskip(library)
+    b = RNG.normal(size=(ROWS, 2, 2))
+    log = EstimatorLog.from_columns(
+        track=np.repeat(["a", "b"], ROWS // 2),
+        time=TIME,
+        x=X,
+        P=b @ b.swapaxes(1, 2) + np.eye(2),
+        truth=X + RNG.normal(size=X.shape),
+        innovation=[row[: 1 + k % 2] for k, row in enumerate(X)],
+        S=[np.eye(1 + k % 2) for k in range(ROWS)],
+    )
+    again = EstimatorLog.from_frame(log.to_frame(library))
+    assert again.tracks == log.tracks
+    for name in ("time", "x", "P", "truth", "innovation", "S", "nis", "nees"):
+        np.testing.assert_array_equal(
+            getattr(again.columns, name), getattr(log.columns, name), name
+        )
+
+
+def test_a_library_that_is_none_is_named():
+    log = EstimatorLog.from_columns(nis=[1.0], nis_dof=2)
+    with pytest.raises(ValueError, match="library must be one of polars, pandas, pyarrow"):
+        log.to_frame("numpy")

@@ -5,14 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from trackmetrics._tables import delimited, json_lines
-from trackmetrics._tables.columns import Ragged
 from trackmetrics._tables.opening import Content
 from trackmetrics.logs import header as headers
 from trackmetrics.logs.header import LogHeader
 from trackmetrics.logs.schema import STRING_COLUMNS
+from trackmetrics.logs.serialization import by_element
 
 
 def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
@@ -30,22 +28,7 @@ def read(content: Content) -> tuple[dict[str, Any], LogHeader]:
 
 def write(path: Path, header: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
     """Write columns as they are serialised, lists element by element."""
-    flat: dict[str, Any] = {}
-    for name, column in columns.items():
-        if isinstance(column, Ragged):
-            flat |= {f"{name}[{i}]": part for i, part in enumerate(_elements(column))}
-        else:
-            flat[name] = column
     comment = "# " + json.dumps(header, ensure_ascii=False) + "\n"
     with path.open("wb") as file:
         file.write(comment.encode())
-        delimited.write(flat, file)
-
-
-def _elements(column: Ragged) -> Any:
-    """The columns of the elements; a whole number stays one where other rows are shorter."""
-    width = int(column.lengths.max(initial=0))
-    if column.flat.dtype.kind != "i":
-        return column.padded(width, np.nan).T
-    padded = column.padded(width, 0).T.astype(str).astype(object)
-    return [np.where(column.lengths > i, part, None) for i, part in enumerate(padded)]
+        delimited.write(by_element(columns), file)

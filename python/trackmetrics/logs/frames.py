@@ -1,10 +1,15 @@
-"""Columns from data frames: pandas, Polars, PyArrow or whatever else narwhals reads."""
+"""Columns from data frames and back: pandas, Polars, PyArrow or whatever else narwhals reads."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from trackmetrics._tables.polars_columns import polars, to_array
+from trackmetrics._tables.errors import value
+from trackmetrics._tables.polars_columns import data_frame, need_polars, polars, to_array
+from trackmetrics.logs.serialization import by_element
+
+LIBRARIES = ("polars", "pandas", "pyarrow")
 
 
 def read(frame: Any) -> dict[str, Any]:
@@ -21,19 +26,41 @@ def read(frame: Any) -> dict[str, Any]:
     return {name: _column(native[name]) for name in native.columns}
 
 
+def write(columns: Mapping[str, Any], library: str) -> Any:
+    """A data frame of the columns; pandas, which has no lists, gets them element by element."""
+    if library == "pandas":
+        import pandas
+
+        return pandas.DataFrame(by_element(columns))
+    if library not in LIBRARIES:
+        raise ValueError(f"library must be one of {', '.join(LIBRARIES)}, got {value(library)}")
+    need_polars("to_frame")
+    frame = data_frame(columns)
+    return frame.to_arrow() if library == "pyarrow" else frame
+
+
 def _column(series: Any) -> Any:
     kind = series.dtype
     if kind.is_numeric():
         return series.cast(_float64()).to_numpy()
     if kind.is_temporal():
         return series.to_numpy()
-    pl = polars()
-    if pl is not None and kind.is_nested():
-        return to_array(pl.Series(series.to_list()))
+    found = _by_polars(series)
+    if found is not None:
+        return found
     values = series.to_list()
-    return (
-        np.array(values, object) if all(isinstance(v, str) or v is None for v in values) else values
-    )
+    return np.array(values, object) if set(map(type, values)) <= {str, type(None)} else values
+
+
+def _by_polars(series: Any) -> Any:
+    """Columns of Polars and PyArrow without a Python object for each value; None for others."""
+    pl = polars()
+    if pl is None:
+        return None
+    native = series.to_native()
+    if isinstance(native, pl.Series):
+        return to_array(native)
+    return to_array(pl.Series(native)) if type(native).__module__.startswith("pyarrow") else None
 
 
 def _float64() -> Any:

@@ -256,13 +256,26 @@ class EstimatorLog:
         """
         path = Path(path)
         form = formats.to_write(path)
+        header = to_record(self.states, self.measurement_angles, self.time_unit, self.epoch)
+        form.write(path, header, self._table())
+
+    def to_frame(self, library: str = "polars") -> Any:
+        """What was logged as a data frame of ``"polars"``, ``"pandas"`` or ``"pyarrow"``.
+
+        A row per update. Vectors and matrices are lists, in pandas a column for each element
+        (``x[0]``, ``x[1]``, ...), covariances as their upper triangles. :meth:`from_frame` takes it
+        back with ``covariance_forms={"P": "upper", ...}`` where a covariance stands alone.
+        """
+        return frames.write(self._table(), library)
+
+    def _table(self) -> dict[str, Any]:
+        """What was logged, as files hold it."""
         logged = {
             name: self.was_logged(name)
             for name in NUMERIC_COLUMNS
             if getattr(self.columns, name) is not None
         }
-        header = to_record(self.states, self.measurement_angles, self.time_unit, self.epoch)
-        form.write(path, header, to_table(self.columns, self.tracks, self.starts, logged))
+        return to_table(self.columns, self.tracks, self.starts, logged)
 
     def shifted(self, seconds: float) -> "EstimatorLog":
         """The same log with every time later by ``seconds``."""

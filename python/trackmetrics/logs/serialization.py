@@ -67,3 +67,23 @@ def _matrices(column: Floats, is_symmetric: bool) -> Ragged:
     sizes = np.where(np.isnan(diagonal), 0, np.arange(1, n + 1)).max(axis=1, initial=0)
     kept = np.maximum(i, j) < sizes[:, None]
     return Ragged(elements[kept], kept.sum(axis=1))
+
+
+def by_element(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """The columns with each list element by element: ``x[0]``, ``x[1]``, ..."""
+    flat: dict[str, Any] = {}
+    for name, column in columns.items():
+        if isinstance(column, Ragged):
+            flat |= {f"{name}[{i}]": part for i, part in enumerate(_elements(column))}
+        else:
+            flat[name] = column
+    return flat
+
+
+def _elements(column: Ragged) -> Any:
+    """The columns of the elements; a whole number stays one where other rows are shorter."""
+    width = int(column.lengths.max(initial=0))
+    if column.flat.dtype.kind != "i":
+        return column.padded(width, np.nan).T
+    padded = column.padded(width, 0).T.astype(str).astype(object)
+    return [np.where(column.lengths > i, part, None) for i, part in enumerate(padded)]
