@@ -69,6 +69,7 @@ WRONG_JSON = {
     "a name twice": ('{"time":1,"nis":2,"nis":5,"nis_dof":2}\n', "line 1: 'nis' appears twice"),
     "no object": ('{"time":1,"nis":2,"nis_dof":2}\n[1, 2]\n', "line 2: expected a JSON object"),
     "no times": ('{"nis":2,"nis_dof":2}\n', "no column time"),
+    "a list for a text": ('{"track":["a"],"time":1,"nis":2,"nis_dof":2}\n', r"track\[0\]"),
     "text": ('{"time":1,"nis":"abc","nis_dof":2}\n', r"nis\[0\] must be a number, got 'abc'"),
 }
 
@@ -191,3 +192,17 @@ def test_a_frame_that_is_none_is_named():
 def test_names_of_tracks_as_bytes():
     log = EstimatorLog.from_columns(track=np.array([b"a", b"b"]), nis=[1.0, 2.0], nis_dof=2)
     assert log.tracks == ("a", "b")
+
+
+def test_a_covariance_alone_tells_the_number_of_states(read):
+    record = '{"time":0,"nis":1,"nis_dof":1,"P":[[1,0],[0,1]]}\n'
+    assert read(record, ".jsonl").columns.P.shape == (1, 2, 2)
+    mixed = record + '{"time":1,"nis":1,"nis_dof":1,"P":null}\n'
+    assert np.isnan(read(mixed, ".jsonl").columns.P[1]).all()
+    assert read('{"time":0,"nis":1,"nis_dof":1,"P":null}\n', ".jsonl").columns.nis.tolist() == [1.0]
+
+
+def test_lists_and_something_else_in_one_column(read):
+    text = '{"time":0,"x":[1.0,2.0],"std":[1,1]}\n{"time":1,"x":"","std":[1,1]}\n'
+    with pytest.raises(ValueError, match=r"x\[1\] must hold numbers, got ''"):
+        read(text, ".jsonl")

@@ -89,8 +89,6 @@ def _kinds(
     for name, kind in zip(names, frame.dtypes, strict=True):
         is_number = kind.is_numeric() and name not in text
         kinds[name] = pl.Float64 if is_number else pl.String
-        if kind == pl.Boolean and name not in text:
-            kinds[name] = pl.Boolean
     return kinds
 
 

@@ -26,9 +26,18 @@ def read(source: bytes | Path, start: int = 0) -> dict[str, Any] | None:
             nested = any(isinstance(kind, pl.Struct) for kind in frame.dtypes)
             if not nested and data.count(b'":', start) > len(frame.columns) * len(frame):
                 return None  # a record has a name twice, or text with such an end
+        if _has_lists_as_text(frame):
+            return None
         return {name: to_array(frame.drop_in_place(name)) for name in frame.columns}
     except (pl.exceptions.PolarsError, TypeError, ValueError):
         return None
+
+
+def _has_lists_as_text(frame: Any) -> bool:
+    """Whether a column holds lists and something else: Polars makes text of both."""
+    pl = polars()
+    texts = (frame[name] for name, kind in frame.schema.items() if kind == pl.String)
+    return any(text.str.contains(r"^[\[{]").any() for text in texts)
 
 
 def _in_blocks(source: bytes | Path, start: int) -> Any:

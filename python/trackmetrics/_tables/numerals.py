@@ -34,6 +34,8 @@ def from_cells(file: str, name: str, cells: NDArray[np.object_], decimal_comma: 
 
 
 def _floats(cells: list[str | None], comma: bool) -> NDArray[np.float64] | None:
+    if any(c is not None and "_" in c for c in cells):  # a number for Python only
+        return None
     try:
         return np.array(
             [np.nan if c is None else float(c.replace(",", ".") if comma else c) for c in cells],

@@ -41,18 +41,22 @@ def as_strings(name: str, values: Any, rows: int) -> Strings:
     if isinstance(values, str):
         values = [values] * rows
     _check_rows(name, values, rows)
+    if isinstance(values, Ragged):
+        raise ValueError(f"{name}[0] must be text, got a list")
     column = np.empty(rows, object)
     if isinstance(values, np.ndarray) and values.dtype.kind in "fiu":
         column[:] = _number_texts(values)
         return column
     listed = values.tolist() if isinstance(values, np.ndarray) else list(values)
     if not set(map(type, listed)) <= {str, type(None)}:
-        listed = [None if is_missing(v) else _as_text(v) for v in listed]
+        listed = [None if is_missing(v) else _as_text(name, i, v) for i, v in enumerate(listed)]
     column[:] = listed
     return column
 
 
-def _as_text(given: Any) -> str:
+def _as_text(name: str, row: int, given: Any) -> str:
+    if isinstance(given, (list, tuple, dict, np.ndarray)):
+        raise ValueError(f"{name}[{row}] must be text, got {value(given)}")
     return given.decode() if isinstance(given, bytes) else str(given)
 
 
@@ -299,6 +303,9 @@ def as_ragged(name: str, values: Any, rows: int, *, square: bool = False) -> Rag
         nested = array.ndim == 3
         if square and nested and array.shape[1] != array.shape[2]:
             raise ValueError(f"{name}[0] has shape {array.shape[1:]}, expected a square matrix")
+        if array.ndim == 1:
+            there = ~np.isnan(array)
+            return Ragged(array[there], there.astype(np.int64))
         lengths = np.full(rows, flat.shape[1] if rows else 0, np.int64)
         return Ragged(flat.ravel(), lengths, nested)
     parts = [
@@ -316,14 +323,25 @@ def as_ragged(name: str, values: Any, rows: int, *, square: bool = False) -> Rag
 def _numbers(name: str, values: Ragged) -> Floats:
     if values.flat.dtype.kind in "biuf":
         return np.asarray(values.flat, np.float64)
-    row = int(np.argmax(values.lengths > 0))
-    raise ValueError(f"{name}[{row}] must hold numbers, got {value(values.flat[0])}")
+    wrong = next((i for i, v in enumerate(values.flat) if not _is_number(v)), 0)
+    row = int(np.searchsorted(np.cumsum(values.lengths), wrong, side="right"))
+    raise ValueError(f"{name}[{row}] must hold numbers, got {value(values.flat[wrong])}")
+
+
+def _is_number(given: Any) -> bool:
+    try:
+        float(given)
+    except (TypeError, ValueError):
+        return False
+    return not isinstance(given, str) or "_" not in given
 
 
 def _floats(name: str, given: Any) -> Floats:
     """A row's numbers; None and masked elements are NaN."""
     if isinstance(given, np.ma.MaskedArray):
         given = np.ma.filled(given.astype(np.float64), np.nan)
+    if isinstance(given, (str, bytes)):
+        raise ValueError(f"{name} must hold numbers, got {value(given)}")
     try:
         return np.asarray(given, np.float64)
     except (TypeError, ValueError):

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics._tables import times
+from trackmetrics._tables.columns import Ragged
 from trackmetrics._tables.errors import shown, value
 from trackmetrics.logs import coercion, schema
 from trackmetrics.logs.columns import Columns, Integers
@@ -92,6 +93,8 @@ def _times(given: Mapping[str, Any], header: LogHeader, rows: int) -> times.Time
     if "time" not in given:
         return times.Times(np.zeros(rows))
     given_times = given["time"]
+    if isinstance(given_times, Ragged):
+        given_times = coercion.as_scalars("time", given_times, rows)
     if np.ndim(given_times) == 0:
         given_times = np.full(rows, given_times)
     if len(given_times) != rows:
@@ -105,7 +108,7 @@ def _states(given: Mapping[str, Any], header: LogHeader) -> tuple[State, ...]:
     check_header(header)
     names = header.states
     if names is None:
-        names = [f"x[{i}]" for i in range(header.state_dim or _state_width(given))]
+        names = [f"x[{i}]" for i in range(header.state_dim or _state_width(given, header))]
     states = [s if isinstance(s, State) else State(str(s)) for s in names]
     if header.state_dim not in (None, len(states)):
         raise ValueError(f"state_dim is {header.state_dim}, states has {len(states)} names")
@@ -118,7 +121,7 @@ def _states(given: Mapping[str, Any], header: LogHeader) -> tuple[State, ...]:
     return tuple(states)
 
 
-def _state_width(given: Mapping[str, Any]) -> int:
+def _state_width(given: Mapping[str, Any], header: LogHeader) -> int:
     """The number of states, from the first column that tells."""
     for name in schema.STATE_VECTOR_COLUMNS:
         if name in given:
@@ -128,7 +131,9 @@ def _state_width(given: Mapping[str, Any]) -> int:
             return int(coercion.as_ragged(name, values, len(values)).lengths.max(initial=0))
     for name in schema.STATE_MATRIX_COLUMNS:
         if name in given:
-            return max((np.shape(v)[0] for v in given[name] if np.ndim(v) == 2), default=0)
+            form = (header.covariance_forms or {}).get(name)
+            matrices = coercion.as_matrices(name, given[name], len(given[name]), None, None, form)
+            return int(matrices.shape[1])
     if "nees" in given and "nees_dof" not in given:
         raise ValueError("nees needs the number of states: give state_dim, states or nees_dof")
     return 0

@@ -130,6 +130,7 @@ def _read_whole(data: bytes) -> NDArray[np.float64] | None:
             io.BytesIO(data),
             has_header=False,
             infer_schema_length=0,
+            quote_char=None,
             columns=list(range(min(len(_COLUMNS), data.partition(b"\n")[0].count(b",") + 1))),
         )
         cells = frame.select(pl.all().str.strip_chars().cast(pl.Float64))
