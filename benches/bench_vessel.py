@@ -116,7 +116,7 @@ def our_tracks(reports):
 
 
 def bench_filter(bench):
-    run = fleet(20, duration=7200.0, interval=60.0, seed=1)
+    run = fleet(20, duration=7200.0, report_interval=60.0, seed=1)
     reports = Reports.concatenate(list(run.reports.values()))
     ours, theirs = our_tracks(reports).log(), numpy_tracks(run.reports)
     found = np.concatenate([ours[ship].nis[2:] for ship in run.ships])
@@ -186,7 +186,7 @@ def bench_gate(bench):
 def bench_linear(bench):
     """Time a report of fleets of 2 000 to 128 000 reports."""
     for ships in (10, 40, 160, 640):
-        run = fleet(ships, duration=7200.0, interval=36.0, seed=1)
+        run = fleet(ships, duration=7200.0, report_interval=36.0, seed=1)
         reports = Reports.concatenate(list(run.reports.values()))
         seconds = interleave({"a": lambda r=reports: our_tracks(r)}, 1.0, 5)["a"]
         bench.report(

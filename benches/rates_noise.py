@@ -180,7 +180,7 @@ def _vessel(q: float, r: float, updates: int, seed: int) -> EstimatorLog:
         truncated_ais=vessel.Noise(30 / root),
         position=vessel.Noise(60 / root),
     )
-    made = vessel.fleet(2, duration=20.0 * updates, interval=40.0, settings=true, seed=seed)
+    made = vessel.fleet(2, duration=20.0 * updates, report_interval=40.0, settings=true, seed=seed)
     return replace(made, settings=dict.fromkeys(made.ships, claimed)).track()
 
 

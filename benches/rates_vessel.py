@@ -61,7 +61,7 @@ def rejections(interval: float, seconds: float, shares: tuple[float, ...], seeds
     """Of consistent filters, 50 ships a seed: how many, and the share rejected on either side."""
     found = []
     for seed in range(seeds):
-        run = fleet(50, duration=1800.0, interval=interval, shares=shares, seed=seed)
+        run = fleet(50, duration=1800.0, report_interval=interval, type_shares=shares, seed=seed)
         reports = Reports.concatenate(list(run.reports.values()))
         used = thin(reports, seconds)
         tracker = Tracker()

@@ -24,7 +24,7 @@ def sailing(n, mmsi="235000001", start=0.0, lat=50.0):
 
 
 def reasons(recording):
-    return [(aside.row, aside.reason) for aside in recording.set_aside]
+    return [(rejected.row, rejected.reason) for rejected in recording.rejected]
 
 
 # ------------------------------------------------------------------ the traps of the Solent
@@ -45,12 +45,12 @@ def test_every_trap_of_the_recording_is_met(solent):
         "bit fault": 1,
         "repeated position": 298 - 3,
     }
-    assert recording.rows == 18_623 == len(recording.reports) + len(recording.set_aside)
+    assert recording.rows == 18_623 == len(recording.reports) + len(recording.rejected)
     assert recording.without_course == 1_027
     assert recording.out_of_order == 0
-    assert recording.shared == ()
+    assert recording.duplicate_mmsi == ()
     assert len(recording.reports.vessels) == 91
-    fault = next(aside for aside in recording.set_aside if aside.reason == "bit fault")
+    fault = next(rejected for rejected in recording.rejected if rejected.reason == "bit fault")
     assert fault.vessel == "245188000"
     assert fault.detail.endswith("one bit makes it longitude -1.09233")
     assert np.abs(recording.reports.z[:, 1] + 1.2).max() < 1
@@ -92,10 +92,10 @@ def test_a_duplicate_is_the_same_in_every_column():
     rows = sailing(5)
     recording = screen_rows([*rows, dict(rows[2])])
     assert reasons(recording) == [(5, "duplicate")]
-    assert recording.set_aside[0].detail == "the same as row 2"
+    assert recording.rejected[0].detail == "the same as row 2"
 
 
-def test_a_jump_is_set_aside_and_the_vessel_goes_on():
+def test_a_jump_is_rejected_and_the_vessel_goes_on():
     rows = sailing(20)
     rows[7]["lat"] += 0.3
     recording = screen_rows(rows)
@@ -123,18 +123,18 @@ def test_two_vessels_with_one_mmsi_are_kept_apart():
         r for pair in zip(sailing(20), sailing(20, start=5.0, lat=51.0), strict=True) for r in pair
     ]
     recording = screen_rows(rows)
-    assert recording.shared == ("235000001",)
-    assert recording.set_aside == ()
+    assert recording.duplicate_mmsi == ("235000001",)
+    assert recording.rejected == ()
     assert recording.reports.vessels == ("235000001", "235000001#2")
     assert len(set(np.round(recording.reports.z[::2, 0], 2))) == 1
 
 
-def test_a_stale_position_is_set_aside_only_under_way():
+def test_a_stale_position_is_rejected_only_under_way():
     rows = sailing(10)
     rows[4] |= {"lat": rows[3]["lat"], "lon": rows[3]["lon"]}
     assert reasons(screen_rows(rows)) == [(4, "repeated position")]
     still = [row(10.0 * k, sog=0.1) for k in range(5)]
-    assert screen_rows(still).set_aside == ()
+    assert screen_rows(still).rejected == ()
 
 
 @pytest.mark.parametrize(
@@ -155,14 +155,14 @@ def test_rows_that_cannot_be_used(change, reason, detail):
     rows[20] |= change
     recording = screen_rows(rows)
     assert reasons(recording) == [(20, reason)]
-    assert recording.set_aside[0].detail == detail
+    assert recording.rejected[0].detail == detail
 
 
 def test_speed_and_course_may_be_missing():
     rows = sailing(4)
     rows[1]["sog"], rows[2]["cog"], rows[3]["sog"] = "", None, 102.3
     recording = screen_rows(rows)
-    assert recording.set_aside == ()
+    assert recording.rejected == ()
     assert recording.reports.kinds == ("AIS", *["truncated AIS"] * 3)
 
 
@@ -257,7 +257,7 @@ def test_no_inconsistency_is_reported_where_there_is_none():
     from trackmetrics.cli._verdicts import most_severe
     from trackmetrics.diagnostics import diagnose
 
-    run = vessel.fleet(1, duration=3600.0, interval=60.0, seed=4)
+    run = vessel.fleet(1, duration=3600.0, report_interval=60.0, seed=4)
     found = most_severe(diagnose(run.track()))
     assert found == "No inconsistency was detected in any track."
 

@@ -43,8 +43,8 @@ def read(tmp_path, data, name="a.csv", **options):
 
 
 def require_one_vessel(recording, n=N, step=10.0):
-    assert recording.set_aside == ()
-    assert recording.shared == ()
+    assert recording.rejected == ()
+    assert recording.duplicate_mmsi == ()
     assert len(recording.reports) == n
     assert np.allclose(np.diff(recording.reports.time), step, atol=1e-3)
     assert len(recording.reports.vessels) == 1
@@ -100,7 +100,7 @@ def test_a_date_of_which_day_and_month_cannot_be_told(reports):
 @pytest.mark.data
 def test_a_negative_course_is_not_available(reports):
     recording = read_ais(reports / "ais_negative_course.csv")
-    assert recording.set_aside == ()
+    assert recording.rejected == ()
     assert recording.without_course == sum(k == "truncated AIS" for k in recording.reports.kinds)
     assert 0 < recording.without_course < len(recording.reports)
 
@@ -109,8 +109,8 @@ def test_a_negative_course_is_not_available(reports):
 @pytest.mark.parametrize("name", ["ais_two_reports_one_second.csv", "ais_whole_seconds_31kt.csv"])
 def test_stamps_of_whole_seconds(reports, name):
     recording = read_ais(reports / name)
-    assert recording.set_aside == ()
-    assert recording.shared == ()
+    assert recording.rejected == ()
+    assert recording.duplicate_mmsi == ()
     assert recording.time_resolution == 1.0
     tracker = Tracker()
     tracker.add(recording.reports)
@@ -267,7 +267,7 @@ def test_nmea_without_times(tmp_path):
 def test_long_range_messages(tmp_path):
     data = sentence(lambda t, s: f"{t:.0f},{s}", type=27)
     recording = read(tmp_path, data, "a.nmea")
-    assert len(recording.reports) + len(recording.set_aside) == 20
+    assert len(recording.reports) + len(recording.rejected) == 20
     assert set(recording.counts) <= {"repeated position"}  # a tenth of a minute is 185 m
 
 
@@ -282,7 +282,7 @@ def row(k, **changes):
 @pytest.mark.parametrize("cog", [-0.1, -196.5, 360.0, 409.5, 511.0, None, ""])
 def test_a_course_that_is_not_available(cog):
     recording = screen_rows([row(k, **({"cog": cog} if k == 3 else {})) for k in range(10)])
-    assert recording.set_aside == ()
+    assert recording.rejected == ()
     assert (recording.without_course, recording.without_speed) == (1, 0)
     assert recording.reports.kinds[3] == "truncated AIS"
 
@@ -290,7 +290,7 @@ def test_a_course_that_is_not_available(cog):
 @pytest.mark.parametrize("sog", [102.3, 1023.0, -1.0, None, ""])
 def test_a_speed_that_is_not_available(sog):
     recording = screen_rows([row(k, **({"sog": sog} if k == 3 else {})) for k in range(10)])
-    assert recording.set_aside == ()
+    assert recording.rejected == ()
     assert (recording.without_course, recording.without_speed) == (0, 1)
 
 
@@ -326,7 +326,7 @@ def test_an_error_shows_a_row_and_counts_by_reason():
 def test_two_reports_in_one_second_a_metre_apart():
     extra = row(4) | {"lat": row(4)["lat"] + 1e-5}
     recording = screen_rows([*(row(k) for k in range(10)), extra])
-    assert recording.set_aside == ()
+    assert recording.rejected == ()
     assert recording.reports.vessels == ("1",)
 
 
@@ -339,7 +339,7 @@ def test_stamps_that_are_cut_to_whole_seconds(knots):
         {"time": float(np.floor(t)), "vessel": "1", "lat": x, "lon": 11.0, "sog": knots, "cog": 0.0}
         for t, x in zip(times, lat, strict=True)
     ])  # fmt: skip
-    assert recording.set_aside == ()
+    assert recording.rejected == ()
     assert recording.reports.vessels == ("1",)
 
 
@@ -348,7 +348,7 @@ def test_a_ship_that_two_stations_hear():
     both = [row(k) for k in range(20)]
     both += [row(k) | {"lat": row(k)["lat"] + 1e-5 * rng.normal()} for k in range(20)]
     recording = screen_rows(sorted(both, key=lambda r: r["time"]))
-    assert recording.set_aside == ()
+    assert recording.rejected == ()
     assert recording.reports.vessels == ("1",)
 
 

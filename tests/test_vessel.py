@@ -68,7 +68,7 @@ def _outer(p):
 @pytest.mark.usefixtures("native")
 def test_the_consistent_filter_is_expected_decibels():
     """200 vessels: NIS/dof and NEES/5 are 1 within four standard errors of independent ones."""
-    log = vessel.fleet(200, duration=5400.0, interval=(60.0, 300.0), seed=3).track()
+    log = vessel.fleet(200, duration=5400.0, report_interval=(60.0, 300.0), seed=3).track()
     active = log.columns.status == "active"
     dof = log.columns.nis_dof[active].sum()
     assert log.columns.nis[active].sum() / dof == pytest.approx(1, abs=4 * np.sqrt(2 / dof))
@@ -80,7 +80,7 @@ def test_the_consistent_filter_is_expected_decibels():
 @pytest.mark.usefixtures("native")
 def test_manoeuvres_and_outages_are_found_out():
     calm = diagnose(vessel.fleet(12, duration=7200.0, seed=1).track())
-    wild = vessel.fleet(12, duration=7200.0, seed=1, manoeuvres=2.0, rate=0.2, outages=1.0)
+    wild = vessel.fleet(12, duration=7200.0, seed=1, manoeuvres=2.0, turn_rate=0.2, outage_rate=1.0)
     assert sum(t.verdict == "consistent" for t in calm.values()) >= 10
     assert sum(t.verdict == "consistent" for t in diagnose(wild.track()).values()) <= 4
 
@@ -166,8 +166,8 @@ def test_speed_and_course_come_from_two_positions():
     assert np.sqrt(track.P[3, 3]) == pytest.approx(np.degrees(sigma / track.x[2]))
 
 
-def test_placeholders_are_taken_for_known():
-    settings = Settings(placeholders=True)
+def test_trust_missing_values_are_taken_for_known():
+    settings = Settings(trust_missing_values=True)
     track = tracked(straight(times=[0], sog=None, cog=None), settings).tracks()[0]
     assert track.x[2:].tolist() == [0.0, 360.0, 0.0]
     assert np.sqrt(np.diag(track.P))[2:].tolist() == [3.0, 10.0, 0.5]
@@ -268,7 +268,7 @@ def test_two_vessels_with_one_mmsi():
     tracker = tracked(Reports.concatenate([a, b]))
     log = without_nan(tracker.log())
     assert log.tracks == ("Tern", "Tern#2")
-    assert tracker.shared == ("Tern",)
+    assert tracker.duplicate_mmsi == ("Tern",)
     assert np.array_equal(log["Tern#2"].x, tracked(b).log()["Tern"].x)
     assert np.array_equal(log["Tern"].x, tracked(a).log()["Tern"].x)
 
@@ -277,7 +277,7 @@ def test_one_jump_is_a_tentative_track_of_its_own():
     reports = straight()
     reports.z[5, 1] += 55.9
     tracker = tracked(reports)
-    assert tracker.shared == ()
+    assert tracker.duplicate_mmsi == ()
     assert [(t.name, t.status) for t in tracker.tracks()] == [
         ("Tern", "active"),
         ("Tern#2", "tentative"),
@@ -388,7 +388,9 @@ def test_consistent_filters_fail_the_test_of_their_predictions_as_often_as_it_sa
     found = []
     for interval, seconds in ((30.0, 120), (10.0, 300)):
         for seed in range(10):
-            run = vessel.fleet(50, duration=1800.0, interval=interval, shares=(1, 0, 0), seed=seed)
+            run = vessel.fleet(
+                50, duration=1800.0, report_interval=interval, type_shares=(1, 0, 0), seed=seed
+            )
             found += held_out(run, seconds, Settings())[2].values()
     p, scale = (np.array([getattr(h, name) for h in found]) for name in ("p_value", "scale"))
     assert len(p) == 1000
@@ -397,7 +399,9 @@ def test_consistent_filters_fail_the_test_of_their_predictions_as_often_as_it_sa
     assert ((p < 0.05) & (scale < 1)).mean() == pytest.approx(0.025, abs=0.015)
     mixed = []
     for seed in range(10):
-        run = vessel.fleet(50, duration=1800.0, interval=10.0, shares=(0.6, 0.2, 0.2), seed=seed)
+        run = vessel.fleet(
+            50, duration=1800.0, report_interval=10.0, type_shares=(0.6, 0.2, 0.2), seed=seed
+        )
         mixed += held_out(run, 60, Settings())[2].values()
     assert np.mean([h.p_value < 0.05 for h in mixed]) == pytest.approx(0.065, abs=0.035)
     missed = [not h.interval[0] <= 1 <= h.interval[1] for h in found]
@@ -408,7 +412,7 @@ def test_consistent_filters_fail_the_test_of_their_predictions_as_often_as_it_sa
 def test_the_correlation_of_predictions_is_that_of_the_dense_matrix():
     from trackmetrics.vessel import holdout
 
-    run = vessel.fleet(1, duration=900.0, interval=10.0, shares=(0.6, 0.2, 0.2), seed=3)
+    run = vessel.fleet(1, duration=900.0, report_interval=10.0, type_shares=(0.6, 0.2, 0.2), seed=3)
     log, rows, found = held_out(run, 60, Settings())
     fused = log["ship 1"]
     before = np.searchsorted(fused.time, rows.time, side="right") - 1
@@ -442,7 +446,12 @@ def test_predictions_that_tell_almost_nothing_are_tested_all_the_same():
     """Ships faster than any vessel: identities split, gaps of all lengths, errors of all sizes."""
     settings = Settings.harbour()
     run = vessel.fleet(
-        20, duration=1800.0, interval=10.0, shares=(1, 0, 0), settings=settings, speed=(60, 70)
+        20,
+        duration=1800.0,
+        report_interval=10.0,
+        type_shares=(1, 0, 0),
+        settings=settings,
+        speed=(60, 70),
     )
     for held in held_out(run, 60, settings)[2].values():
         assert 1 <= held.effective_dof <= held.dof
@@ -452,7 +461,7 @@ def test_predictions_that_tell_almost_nothing_are_tested_all_the_same():
 
 @pytest.mark.usefixtures("native")
 def test_a_filter_that_claims_too_much_is_found_by_its_predictions():
-    run = vessel.fleet(5, duration=3600.0, interval=10.0, shares=(1, 0, 0), seed=1)
+    run = vessel.fleet(5, duration=3600.0, report_interval=10.0, type_shares=(1, 0, 0), seed=1)
     reports = Reports.concatenate(list(run.reports.values()))
     used = vessel.thin(reports, 60)
     timid = Settings(ais=Noise(20.0, 0.6, 3.0), acceleration_density=4e-4, turn_density=8e-9)
@@ -474,9 +483,9 @@ def test_a_filter_that_claims_too_much_is_found_by_its_predictions():
             "acceleration_density must be at least 0 and finite, got -1.0",
         ),
         ({"turn_rate_decay": 0}, "turn_rate_decay must be positive, got 0.0"),
-        ({"tentative": 0}, "tentative must be a whole number, at least 1, got 0"),
+        ({"num_tentative": 0}, "num_tentative must be a whole number, at least 1, got 0"),
         ({"max_speed": np.inf}, "max_speed must be positive and finite, got inf"),
-        ({"gate": 1.0}, "gate must be between 0 and 1, got 1.0"),
+        ({"gate_probability": 1.0}, "gate_probability must be between 0 and 1, got 1.0"),
     ],
 )
 def test_settings_that_cannot_be(change, text):
@@ -495,6 +504,6 @@ def test_other_arguments_that_cannot_be():
     with pytest.raises(ValueError, match="ships must be at least 1, got 0"):
         vessel.fleet(0)
     with pytest.raises(ValueError, match="shares must be at least 0 and add up to 1"):
-        vessel.fleet(1, shares=(1, 1, 1))
+        vessel.fleet(1, type_shares=(1, 1, 1))
     with pytest.raises(ValueError, match="seconds must be positive, got 0"):
         vessel.thin(straight(), 0)

@@ -16,7 +16,14 @@ BASE = {
     "vessel": ["T"] * 3,
 }
 DENSITIES = ("acceleration_density", "turn_density", "course_density")
-POSITIVE = ("turn_rate_decay", "coast_after", "delete_after", "turn_rate_std", "max_speed", "gate")
+POSITIVE = (
+    "turn_rate_decay",
+    "coast_after",
+    "delete_after",
+    "turn_rate_std",
+    "max_speed",
+    "gate_probability",
+)
 BAD = [np.nan, -1.0, True, np.True_, "10", None, [1.0], 1j]
 
 
@@ -28,7 +35,7 @@ def test_noise(name, given):
 
 
 @pytest.mark.parametrize("given", BAD)
-@pytest.mark.parametrize("name", [*DENSITIES, *POSITIVE, "tentative"])
+@pytest.mark.parametrize("name", [*DENSITIES, *POSITIVE, "num_tentative"])
 def test_settings(name, given):
     with pytest.raises((TypeError, ValueError), match=f"^{name} must be "):
         Settings(**{name: given})
@@ -37,12 +44,15 @@ def test_settings(name, given):
 @pytest.mark.parametrize(
     ("name", "given"),
     [
-        *((name, np.inf) for name in (*DENSITIES, "turn_rate_std", "max_speed", "gate")),
-        *((name, 0.0) for name in (*POSITIVE, "tentative")),
-        ("gate", 1.0),
-        ("tentative", 1.5),
-        ("placeholders", "no"),
-        ("placeholders", 1),
+        *(
+            (name, np.inf)
+            for name in (*DENSITIES, "turn_rate_std", "max_speed", "gate_probability")
+        ),
+        *((name, 0.0) for name in (*POSITIVE, "num_tentative")),
+        ("gate_probability", 1.0),
+        ("num_tentative", 1.5),
+        ("trust_missing_values", "no"),
+        ("trust_missing_values", 1),
         ("ais", 10.0),
         ("position", (10.0, 1.0)),
     ],

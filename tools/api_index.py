@@ -8,6 +8,8 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
+from trackmetrics._deprecated import RENAMED
+
 PAGE = Path(__file__).resolve().parents[1] / "docs/api.md"
 PACKAGES = ("", "consistency", "point_sets", "trajectories", "tracking", "tracks", "logs")
 PACKAGES += ("diagnostics", "monte_carlo", "vessel", "report")
@@ -29,6 +31,8 @@ def section(package, seen):
     module = import_module(".".join(filter(None, ("trackmetrics", package))))
     rows = []
     for name in module.__all__:
+        if f"{module.__name__}.{name}" in RENAMED:
+            continue
         value = getattr(module, name)
         if name.startswith("_") or id(value) in seen:
             continue

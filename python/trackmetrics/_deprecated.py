@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 F = TypeVar("F", bound=Callable[..., Any])
+C = TypeVar("C", bound=type)
 
 RENAMED: dict[str, str] = {
     "trackmetrics.Whiteness": "trackmetrics.WhitenessTest",
@@ -21,12 +22,17 @@ RENAMED: dict[str, str] = {
     "trackmetrics.diagnostics.read_log": "trackmetrics.logs.read_log",
     "trackmetrics.io.Boxes": "trackmetrics.tracks.Boxes",
     "trackmetrics.io.read_mot_challenge": "trackmetrics.tracks.read_mot_challenge",
+    "trackmetrics.io.mot_challenge.Boxes": "trackmetrics.tracks.Boxes",
+    "trackmetrics.io.mot_challenge.read_mot_challenge": "trackmetrics.tracks.read_mot_challenge",
     "trackmetrics.monte_carlo.Best": "trackmetrics.monte_carlo.BestSetting",
     "trackmetrics.monte_carlo.FormStatistics": "trackmetrics.monte_carlo.ErrorStatistics",
     "trackmetrics.report.heat_figure": "trackmetrics.report.heatmap_figure",
     "trackmetrics.report.page": "trackmetrics.report.render_page",
     "trackmetrics.report.sweeps.heat_figure": "trackmetrics.report.heatmap_figure",
     "trackmetrics.report.sweeps.sweep_figure": "trackmetrics.report.sweep_figure",
+    "trackmetrics.vessel.HeldOut": "trackmetrics.vessel.HeldOutResult",
+    "trackmetrics.vessel.KINDS": "trackmetrics.vessel.REPORT_TYPES",
+    "trackmetrics.vessel.SetAside": "trackmetrics.vessel.RejectedRow",
     "trackmetrics.vessel.decimated": "trackmetrics.vessel.thin",
     "trackmetrics.vessel.screen": "trackmetrics.vessel.screen_rows",
 }
@@ -69,7 +75,7 @@ def parameters(**renamed: str) -> Callable[[F], F]:
             for old, new in renamed.items():
                 if old in kwargs:
                     *owner, name = function.__qualname__.split(".")
-                    name = owner[-1] if name == "__init__" else name
+                    name = owner[-1] if name in ("__init__", "__new__") else name
                     if new in kwargs:
                         raise TypeError(f"{name}() got both {new!r} and {old!r}, its old name")
                     warn(f"{name}({old}=)", f"{name}({new}=)")
@@ -77,6 +83,16 @@ def parameters(**renamed: str) -> Callable[[F], F]:
             return function(*args, **kwargs)
 
         return wrapper  # type: ignore[return-value]
+
+    return decorate
+
+
+def parameters_of_class(**renamed: str) -> Callable[[C], C]:
+    """The same for the arguments of a class: ``parameters_of_class(gate="gate_probability")``."""
+
+    def decorate(cls: C) -> C:
+        cls.__init__ = parameters(**renamed)(cls.__init__)  # type: ignore[misc]
+        return cls
 
     return decorate
 

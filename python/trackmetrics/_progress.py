@@ -7,8 +7,9 @@ terminal, there are none.
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator
-from typing import IO, Any, TypeVar
+from collections.abc import Callable, Iterable, Iterator
+from types import TracebackType
+from typing import IO, Any, Self, TypeVar
 
 Item = TypeVar("Item")
 DELAY = 1.0
@@ -77,6 +78,35 @@ def bar(total: int, unit: str, *, desc: str = "", initial: int = 0) -> Bar | Non
     return Bar(total, desc, unit, initial)
 
 
+class RunProgress:
+    """How far a sweep is: a bar (if `rich` is installed), or a function that is called instead."""
+
+    def __init__(self, wanted: bool | Callable[[int, int], None], total: int, done: int) -> None:
+        self.done, self.total = done, total
+        self._tell = wanted if callable(wanted) else None
+        self._bar = bar(total, "run", initial=done) if wanted is True else None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+    def add(self, runs: int) -> None:
+        """Counts so many more runs as done."""
+        self.done += runs
+        if self._bar is not None:
+            self._bar.update(runs)
+        if self._tell is not None:
+            self._tell(self.done, self.total)
+
+
 def with_progress(items: Iterable[Item], description: str, total: int, unit: str) -> Iterator[Item]:
     """The items, counted by a bar."""
     return _counted(items, description, total, unit.strip(), lambda _: 1)
@@ -85,9 +115,6 @@ def with_progress(items: Iterable[Item], description: str, total: int, unit: str
 def lines_with_progress(file: IO[str], description: str) -> Iterator[str]:
     """The lines of a file; the bar counts the characters read, of the bytes of the file."""
     return _counted(file, description, os.fstat(file.fileno()).st_size, "", len)
-
-
-watched, lines = with_progress, lines_with_progress
 
 
 def _counted(items: Iterable[Any], what: str, total: int, unit: str, size: Any) -> Iterator[Any]:

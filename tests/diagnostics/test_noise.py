@@ -359,8 +359,8 @@ def test_a_block_of_states_has_its_own_factor():
 @pytest.mark.usefixtures("native")
 def test_wrong_arguments_are_named():
     log = walk_log(extra=OBSERVED)
-    with pytest.raises(ValueError, match="level must be between 0 and 1, got 2"):
-        estimate_noise(log, level=2)
+    with pytest.raises(ValueError, match="confidence must be between 0 and 1, got 2"):
+        estimate_noise(log, confidence=2)
     with pytest.raises(ValueError, match="measurement must be 'by_type' or 'all', got 'x'"):
         estimate_noise(log, measurement="x")
     with pytest.raises(ValueError, match="process must be 'all', 'by_block' or a dictionary"):

@@ -117,7 +117,7 @@ def test_runs_that_gave_nothing_can_come_in_any_order_too(lost, order):
         accumulator = ConsistencyAccumulator()
         for run in order:
             if run in lost:
-                accumulator.skip(run)
+                accumulator.add_empty_runs(run)
             else:
                 accumulator.update(part(BATCH, run, run + 1), run)
         return accumulator
@@ -125,7 +125,7 @@ def test_runs_that_gave_nothing_can_come_in_any_order_too(lost, order):
     shuffled = take(order)
     assert shuffled.to_bytes() == take(range(60)).to_bytes()
     assert shuffled.runs == 60 - len(lost)
-    assert shuffled.covered == [(0, 60)]
+    assert shuffled.intervals == [(0, 60)]
     kept = [run for run in range(60) if run not in lost]
     expected = q_of(BATCH)[kept].mean(0) / 3
     assert shuffled.result().anees == pytest.approx(expected, rel=1e-12)
@@ -309,7 +309,7 @@ def test_what_cannot_be_accumulated_says_why():
     with pytest.raises(ValueError, match=r"the runs 5\.\.10 are in already"):
         accumulator.update(part(BATCH, 0, 10), 5)
     with pytest.raises(ValueError, match=r"the runs 9\.\.10 are in already"):
-        accumulator.skip(9)
+        accumulator.add_empty_runs(9)
     other = ConsistencyAccumulator()
     other.update(part(BATCH, 0, 3), 8)
     with pytest.raises(ValueError, match=r"the runs 8\.\.10 are in both"):
@@ -328,7 +328,7 @@ def test_what_cannot_be_accumulated_says_why():
         accumulator.update({**BATCH, "covariances": BATCH["truth"]}, 100)
     with pytest.raises(ValueError, match="neither truth"):
         accumulator.update({}, 100)
-    assert accumulator.covered == [(0, 10)]
+    assert accumulator.intervals == [(0, 10)]
 
 
 @pytest.mark.parametrize(

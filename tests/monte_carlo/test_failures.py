@@ -43,7 +43,7 @@ class OddAccumulator(ScoreAccumulator):
     kind = "OddAccumulator"
 
     def __getstate__(self):
-        if any(first <= 3 < stop for first, stop in self.covered):
+        if any(first <= 3 < stop for first, stop in self.intervals):
             raise TypeError("holds a lock")
         return self.__dict__
 

@@ -15,7 +15,7 @@ from trackmetrics.logs import EstimatorLog
 from trackmetrics.report import theme
 from trackmetrics.report.diagnosis_page import BLOCK
 from trackmetrics.report.packing import FORMS, PackedArrays
-from trackmetrics.vessel import HeldOut
+from trackmetrics.vessel import HeldOutResult
 
 MEGABYTE = 1e6
 VOID = {"meta", "link", "input", "br", "rect"}
@@ -286,7 +286,7 @@ def predicted(small):
     results = {}
     for name, scale in (("vessel 001", 0.05), ("vessel 002", 3.25)):
         interval, nothing = (0.8 * scale, 1.3 * scale), np.empty(0)
-        results[name] = HeldOut(
+        results[name] = HeldOutResult(
             name, 120, 20, 400, 210.4, scale, interval, 1.2e-5, nothing, nothing
         )
     return results

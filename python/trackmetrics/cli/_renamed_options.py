@@ -2,6 +2,8 @@
 
 import sys
 
+from trackmetrics import _deprecated
+
 OPTIONS: dict[str, dict[str, str]] = {
     "diagnose": {"--column": "--rename", "--check": "--fail-on-inconsistent"},
     "sweep": {"--collect": "--keep-going", "--best": "--rank-by", "--chunk": "--chunk-size"},
@@ -15,7 +17,7 @@ OPTIONS: dict[str, dict[str, str]] = {
 """For each command its old options and their new names."""
 
 VALUES: dict[str, dict[str, dict[str, str]]] = {
-    "demo": {"--noise": {"honest": "consistent", "article": "published"}},
+    "demo": {"--noise": _deprecated.RENAMED_NOISE},
     "vessel": {"--preset": {"sea": "open-sea"}},
 }
 """For each command and option its old values and their new names."""

@@ -6,7 +6,7 @@ from typing import Any
 from trackmetrics._format import number
 from trackmetrics.cli._table import Column, Table
 from trackmetrics.diagnostics import Diagnosis, TrackDiagnosis
-from trackmetrics.vessel import HeldOut
+from trackmetrics.vessel import HeldOutResult
 
 _COLOURS = {
     "consistent": "green",
@@ -58,13 +58,15 @@ COLUMNS = (
 """Over :class:`TrackDiagnosis`. The settled part is the longest segment that is not too high."""
 
 
-def diagnosis_table(diagnosis: Diagnosis, held_out: Mapping[str, HeldOut] | None = None) -> Table:
+def diagnosis_table(
+    diagnosis: Diagnosis, held_out: Mapping[str, HeldOutResult] | None = None
+) -> Table:
     """One row per track, the most severe first."""
     columns = COLUMNS if held_out is None else (*COLUMNS, *_held_out_columns(held_out))
     return Table(columns, diagnosis.by_severity())
 
 
-def _held_out_columns(held_out: Mapping[str, HeldOut]) -> tuple[Column, ...]:
+def _held_out_columns(held_out: Mapping[str, HeldOutResult]) -> tuple[Column, ...]:
     """Columns of the held-out reports."""
 
     def of(name: str) -> Any:
@@ -83,7 +85,7 @@ def _held_out_columns(held_out: Mapping[str, HeldOut]) -> tuple[Column, ...]:
         Column("held_out_scale_low", interval(0), rank=None),
         Column("held_out_scale_high", interval(1), rank=None),
         Column("held_out_reports", of("reports"), rank=6, right=True),
-        Column("held_out_gaps", of("gaps"), rank=7, right=True),
+        Column("held_out_gaps", of("num_gaps"), rank=7, right=True),
     )
 
 

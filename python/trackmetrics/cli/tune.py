@@ -53,12 +53,12 @@ COLUMNS = (
     default="type",
     help="A factor for each measurement type, or one for all.",
 )
-@click.option("--level", type=float, default=0.95, help="Level of the intervals.")
+@click.option("--confidence", type=float, default=0.95, help="Confidence of the intervals.")
 @click.option("--robust", is_flag=True, help="Set outliers aside.")
 @log_options
 @output_options
 def command(
-    log: str, process: str, by: str, level: float, robust: bool, output: Output, **reading: Any
+    log: str, process: str, by: str, confidence: float, robust: bool, output: Output, **reading: Any
 ) -> int:
     """Estimate by what the process and measurement noises must be multiplied.
 
@@ -74,7 +74,7 @@ def command(
         found,
         process=process,
         measurement="by_type" if by == "type" else "all",
-        level=level,
+        confidence=confidence,
         robust=robust,
     )
     output.write(Table(COLUMNS, rows(estimate)), content=estimate, after=advice(estimate))

@@ -107,13 +107,13 @@ def command(
 
 
 def _report_reading(output: Output, recording: Any) -> None:
-    aside = ", ".join(f"{n} {reason}" for reason, n in sorted(recording.counts.items()))
+    rejected = ", ".join(f"{n} {reason}" for reason, n in sorted(recording.counts.items()))
     output.message(
         f"{recording.rows} rows, {len(recording.reports)} reports of "
-        f"{len(recording.reports.vessels)} vessels; set aside: {aside or 'none'}; "
+        f"{len(recording.reports.vessels)} vessels; rejected: {rejected or 'none'}; "
         f"{recording.without_course} without a course"
     )
-    for vessel in recording.shared:
+    for vessel in recording.duplicate_mmsi:
         output.warn(f"more than one vessel reports as {vessel}")
 
 

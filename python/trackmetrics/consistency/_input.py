@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics import _check, errors
+from trackmetrics import _check, _covariances, errors
 from trackmetrics._check import Floats
 from trackmetrics.consistency.nees_nis import nis
 
@@ -72,7 +72,8 @@ def nees_check(e: Floats, p: Floats, vectors: str, covariances: str) -> Floats:
 
 
 def whitened(e: Floats, p: Floats) -> Floats:
-    """``L^-1 e`` with ``P = L L'``: unit variance and uncorrelated where P is right."""
-    lower = np.linalg.cholesky((p + np.swapaxes(p, -1, -2)) / 2)
-    result: Floats = np.linalg.solve(lower, e[..., None])[..., 0]
-    return result
+    """``L^-1 e`` with ``P = L L'`` for errors and covariances of any number of leading axes."""
+    d = e.shape[-1]
+    covariances = p.reshape(-1, d, d)
+    valid = np.ones((len(covariances), d), bool)
+    return _covariances.whitened(e.reshape(-1, d), covariances, valid).reshape(e.shape)

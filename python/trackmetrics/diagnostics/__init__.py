@@ -21,6 +21,7 @@ __all__ = [
     "VERDICTS",
     "Bias",
     "Diagnosis",
+    "EstimatorLog",  # _deprecated.
     "Factor",
     "InnovationCorrelation",
     "LinearModel",
@@ -30,11 +31,13 @@ __all__ = [
     "Outlier",
     "QuantityVerdict",
     "Segment",
+    "State",  # _deprecated.
     "StateDiagnosis",
     "TrackDiagnosis",
     "WhatIf",
     "diagnose",
     "estimate_noise",
+    "read_log",  # _deprecated.
     "whatif",
 ]
 

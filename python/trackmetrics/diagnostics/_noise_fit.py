@@ -251,21 +251,21 @@ class Profile:
         share = 0.5 if value <= 0 else 1.0
         return share * chi_square_tail(self.statistic(value), 1)
 
-    def interval(self, level: float) -> tuple[float, float]:
-        """All values whose p-value is at least ``1 - level``; infinite or 0 ends where there is no
-        bound within :data:`SMALLEST` to :data:`LARGEST`."""
-        return self._end(level, -1), self._end(level, 1)
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """All values whose p-value is at least ``1 - confidence``; an end is infinite or 0 where
+        there is no bound within :data:`SMALLEST` to :data:`LARGEST`."""
+        return self._end(confidence, -1), self._end(confidence, 1)
 
-    def _end(self, level: float, side: int) -> float:
+    def _end(self, confidence: float, side: int) -> float:
         """Where the root of the statistic, nearly a line in the logarithm of the factor, is that of
-        the level: by secants, and by halving where a secant would leave the bracket."""
-        wanted = normal_quantile((1 + level) / 2)
+        the confidence: by secants, and by halving where a secant would leave the bracket."""
+        wanted = normal_quantile((1 + confidence) / 2)
         inside, root = _log(float(self.fit.factors[self.index])), 0.0
         limit = log(LARGEST if side > 0 else SMALLEST)
         step = self._first_step(wanted)
         while True:
             if inside == limit:
-                return self._limit(1 - level, side)
+                return self._limit(1 - confidence, side)
             beyond = side * min(side * (inside + side * step), side * limit)
             reached = self.statistic(exp(beyond)) ** 0.5
             if reached >= wanted:

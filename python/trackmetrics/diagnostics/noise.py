@@ -76,7 +76,7 @@ class NoiseEstimate(Result):
     p_value: float
     """p-value of "no change is needed"."""
     log_likelihood_gain: float
-    """Log-likelihood of the best factors less that of the claimed noises."""
+    """Log-likelihood of the best factors minus that of the claimed noises."""
     explained: bool
     """Whether the best factors make the log consistent."""
     reason: str | None
@@ -94,8 +94,8 @@ class NoiseEstimate(Result):
     """Tracks whose own factors differ from these, and the p-values (Holm)."""
     updates: int
     """How many updates went in."""
-    level: float
-    """Level of the intervals."""
+    confidence: float
+    """Confidence of the intervals."""
 
     @property
     def causes(self) -> tuple[str, ...]:
@@ -123,7 +123,7 @@ def estimate_noise(
     *,
     process: str | Mapping[str, Sequence[str | int]] = "all",
     measurement: str = "by_type",
-    level: float = 0.95,
+    confidence: float = 0.95,
     robust: bool = False,
     model: LinearModel | None = None,
 ) -> NoiseEstimate:
@@ -144,8 +144,8 @@ def estimate_noise(
         states that share process noise; or a dictionary of the states in each group.
     measurement
         ``"by_type"`` for a factor for each measurement type, ``"all"`` for one factor.
-    level
-        Level of the confidence intervals.
+    confidence
+        Confidence of the intervals.
     robust
         Whether clear outliers are set aside, and the other innovations given Student's t
         distribution with 5 degrees of freedom, so that they do not count as measurement noise.
@@ -205,16 +205,16 @@ def estimate_noise(
     >>> low < 4 < high
     True
     """
-    if not 0 < level < 1:
-        raise ValueError(f"level must be between 0 and 1, got {level!r}")
+    if not 0 < confidence < 1:
+        raise ValueError(f"confidence must be between 0 and 1, got {confidence!r}")
     try:
         found = log_model(log, process, measurement, model)
     except NotEnoughError as lack:
-        return _direction_only(log, level, str(lack))
+        return _direction_only(log, confidence, str(lack))
     errors = _robust(found.errors) if robust else found.errors
     fit = maximise(errors)
     claimed = errors.likelihood(np.ones(errors.count))
-    factors = _factors(errors, fit, level)
+    factors = _factors(errors, fit, confidence)
     ratio = errors.tail[1]
     statistic = max(0.0, 2 * (fit.value - claimed) / ratio)
     reported = [f for f in factors if f.identifiable]
@@ -239,7 +239,7 @@ def estimate_noise(
         direction=None,
         disagreeing=_disagreeing(found, errors, fit),
         updates=int((~np.isnan(errors.innovations)).any(axis=1).sum()),
-        level=level,
+        confidence=confidence,
     )
 
 
@@ -249,11 +249,11 @@ def _robust(errors: ErrorModel) -> ErrorModel:
     return replace(rest, tail_dof=ROBUST_DOF)
 
 
-def _factors(errors: ErrorModel, fit: Fit, level: float) -> list[Factor]:
+def _factors(errors: ErrorModel, fit: Fit, confidence: float) -> list[Factor]:
     factors = []
     for i in range(errors.count):
         profile = Profile(errors, fit, i)
-        interval = profile.interval(level)
+        interval = profile.interval(confidence)
         known = interval[0] > 0 or isfinite(interval[1])
         value = float(fit.factors[i]) if known else nan
         factors.append(Factor(value, interval, profile.p_value(1.0) if known else nan))
@@ -321,7 +321,7 @@ def _score_statistic(score: Floats, information: Floats) -> tuple[float, int]:
     return float(parts.sum()), int(known.sum())
 
 
-def _direction_only(log: EstimatorLog, level: float, lack: str) -> NoiseEstimate:
+def _direction_only(log: EstimatorLog, confidence: float, lack: str) -> NoiseEstimate:
     """The estimate of a log that is too poor for a number."""
     if log.columns.innovation is None or log.columns.S is None:
         raise ValueError(f"{lack}; for a direction the log needs innovation and S")
@@ -330,7 +330,7 @@ def _direction_only(log: EstimatorLog, level: float, lack: str) -> NoiseEstimate
         process={}, measurement={}, statistic=nan, dof=0, p_value=found.p_value,
         log_likelihood_gain=nan, explained=found.cause is not None or found.p_value >= ALARM,
         reason=None, detail=lack, identifiable={}, grade="direction", direction=found.cause,
-        disagreeing={}, updates=found.updates, level=level,
+        disagreeing={}, updates=found.updates, confidence=confidence,
     )  # fmt: skip
 
 
@@ -363,5 +363,5 @@ def _sentence(noise: str, factor: Factor, estimate: NoiseEstimate) -> str:
     low, high = factor.interval
     return (
         f"{noise}: {factor.factor:.3g} times the variance claimed "
-        f"({100 * estimate.level:g} %: {low:.3g} to {high:.3g})"
+        f"({100 * estimate.confidence:g} %: {low:.3g} to {high:.3g})"
     )

@@ -3,9 +3,9 @@
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from typing import Any
 
+from trackmetrics._progress import RunProgress
 from trackmetrics.monte_carlo.executors import Workers, open_workers, uninterrupted
 from trackmetrics.monte_carlo.jobs import Job, JobResult, describe_run
-from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.sweep_state import SweepState, halves
 
 _DIED = "its worker process died, twice: killed, out of memory, or ended by its own code"
@@ -13,7 +13,7 @@ _DIED = "its worker process died, twice: killed, out of memory, or ended by its 
 Pending = dict["Future[JobResult]", Job]
 
 
-def run_jobs(state: SweepState, executor: Any, count: int | None, bar: Progress) -> None:
+def run_jobs(state: SweepState, executor: Any, count: int | None, bar: RunProgress) -> None:
     """Works on all jobs; on an error, keeps what has finished and gives up the rest."""
     template = state.template
     simulate, threads = template.simulate, template.threads
@@ -34,7 +34,9 @@ def run_jobs(state: SweepState, executor: Any, count: int | None, bar: Progress)
             raise
 
 
-def _submit(state: SweepState, workers: Workers, pending: Pending, job: Job, bar: Progress) -> None:
+def _submit(
+    state: SweepState, workers: Workers, pending: Pending, job: Job, bar: RunProgress
+) -> None:
     try:
         pending[workers.submit(job)] = job
     except BrokenExecutor as error:
@@ -43,7 +45,7 @@ def _submit(state: SweepState, workers: Workers, pending: Pending, job: Job, bar
         _replace_workers(state, workers, pending, error, bar)
 
 
-def _collect(state: SweepState, workers: Workers, pending: Pending, bar: Progress) -> None:
+def _collect(state: SweepState, workers: Workers, pending: Pending, bar: RunProgress) -> None:
     """Takes what has finished, and waits where nothing has."""
     finished, _ = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
     for future in finished:
@@ -70,7 +72,7 @@ def _take(state: SweepState, job: Job, future: "Future[JobResult]") -> int:
 
 
 def _replace_workers(
-    state: SweepState, workers: Workers, pending: Pending, error: BaseException, bar: Progress
+    state: SweepState, workers: Workers, pending: Pending, error: BaseException, bar: RunProgress
 ) -> None:
     """After the death of a worker: all jobs that were under way are done again, one at a time.
 

@@ -241,7 +241,7 @@ def _reduced(job: Job, outputs: list[Mapping[str, Any]], first: int) -> SettingS
         values = [output[name] for output in outputs]
         if isinstance(values[0], Accumulator):
             for run, accumulator in enumerate(values, first):
-                state.add(name, accumulator.moved_to(run), run, run + 1)
+                state.add(name, accumulator.renumbered(run), run, run + 1)
         elif name not in ARRAYS:
             scores[name] = values
     if scores:

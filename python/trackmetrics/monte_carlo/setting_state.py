@@ -41,7 +41,7 @@ class SettingState:
         self._covered = RunTree()
 
     @property
-    def covered(self) -> list[tuple[int, int]]:
+    def intervals(self) -> list[tuple[int, int]]:
         """The runs that are done, as intervals."""
         return self._covered.intervals()
 
@@ -53,7 +53,7 @@ class SettingState:
         """Records a run that failed."""
         self.failures[run] = (error, traceback)
         for accumulator in self.accumulators.values():
-            accumulator.skip(run)
+            accumulator.add_empty_runs(run)
         self._mark_done(run, run + 1)
 
     def add(self, name: str, accumulator: Accumulator, first: int, stop: int) -> None:
@@ -67,7 +67,7 @@ class SettingState:
     def mark_done(self, first: int, stop: int) -> None:
         """Says that these runs are done, in every accumulator."""
         for name, accumulator in self.accumulators.items():
-            if accumulator.covered != _joined(self._covered, first, stop):
+            if accumulator.intervals != _joined(self._covered, first, stop):
                 raise ValueError(f"the runs {first}..{stop} gave no {name!r}, earlier runs did")
         self._mark_done(first, stop)
 
@@ -124,7 +124,7 @@ class SettingState:
         header = {
             "cells": [[n, k, len(p)] for n, k, p in zip(names, kinds, parts, strict=True)],
             "failures": [[run, *self.failures[run]] for run in sorted(self.failures)],
-            "covered": self.covered,
+            "covered": self.intervals,
         }
         return serialization.encode(_KIND, header, b"".join(parts))
 
@@ -155,7 +155,7 @@ class SettingState:
             self._mark_done(first, stop)
             end = stop
         for name, accumulator in self.accumulators.items():
-            if accumulator.covered != self.covered:
+            if accumulator.intervals != self.intervals:
                 raise ValueError(f"accumulator {name!r} has other runs")
 
 
@@ -171,8 +171,8 @@ def accumulator_kinds() -> Mapping[str, type[Accumulator]]:
 
 
 def _skip_all(accumulator: Accumulator, state: SettingState) -> None:
-    for first, stop in state.covered:
-        accumulator.skip(first, stop - first)
+    for first, stop in state.intervals:
+        accumulator.add_empty_runs(first, stop - first)
 
 
 def _joined(covered: RunTree, first: int, stop: int) -> list[tuple[int, int]]:

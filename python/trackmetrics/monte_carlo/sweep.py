@@ -8,13 +8,13 @@ from typing import Any, Literal
 import numpy as np
 
 from trackmetrics import _backend, _check
+from trackmetrics._progress import RunProgress
 from trackmetrics.monte_carlo.accumulators.consistency import ConsistencyAccumulator
 from trackmetrics.monte_carlo.accumulators.scores import block_level_for
 from trackmetrics.monte_carlo.checkpoint import Checkpoint
 from trackmetrics.monte_carlo.driver import run_jobs
 from trackmetrics.monte_carlo.identity import identity
 from trackmetrics.monte_carlo.jobs import Job
-from trackmetrics.monte_carlo.progress import Progress
 from trackmetrics.monte_carlo.results import SweepResult
 from trackmetrics.monte_carlo.setting_state import SettingState
 from trackmetrics.monte_carlo.sweep_state import SweepState
@@ -142,7 +142,7 @@ def sweep(
         _backend.backend(), worker_threads,
     )  # fmt: skip
     state = SweepState(runs, settings, setting_states, store, template, chunk)
-    with Progress(progress, runs * len(settings), state.done()) as bar:
+    with RunProgress(progress, runs * len(settings), state.done()) as bar:
         try:
             run_jobs(state, executor, workers, bar)
         except KeyboardInterrupt:

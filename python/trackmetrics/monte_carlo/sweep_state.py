@@ -35,8 +35,8 @@ class SweepState:
 
     def __post_init__(self) -> None:
         for state in self.setting_states:
-            if state.covered and state.covered[-1][1] > self.runs:
-                have = state.covered[-1][1]
+            if state.intervals and state.intervals[-1][1] > self.runs:
+                have = state.intervals[-1][1]
                 raise ValueError(
                     f"the checkpoint already holds {have} runs, more than runs={self.runs}"
                 )
@@ -44,7 +44,7 @@ class SweepState:
             if isinstance(scores, ScoreAccumulator):
                 scores.merge_blocks(self.template.block_level)
         self.waiting: list[dict[int, tuple[Job, JobResult]]] = [{} for _ in self.settings]
-        self.left = [_complement(state.covered, self.runs) for state in self.setting_states]
+        self.left = [_complement(state.intervals, self.runs) for state in self.setting_states]
 
     def done(self) -> int:
         """Runs that are done, over all settings."""
@@ -98,7 +98,7 @@ class SweepState:
         waiting, taken = self.waiting[setting], 0
         while waiting:
             state, first = self.setting_states[setting], min(waiting)
-            if not state.accumulators and first != _complement(state.covered, self.runs)[0][0]:
+            if not state.accumulators and first != _complement(state.intervals, self.runs)[0][0]:
                 break
             taken += self._merge(*waiting.pop(first))
         return taken

@@ -32,7 +32,7 @@ from trackmetrics.report.page_tables import (
 from trackmetrics.report.templates import environment
 from trackmetrics.report.track_scene import track_scene
 from trackmetrics.report.track_view import TrackView, track_views
-from trackmetrics.vessel import HeldOut
+from trackmetrics.vessel import HeldOutResult
 
 SHOWN = theme.TRACK_COLOURS
 """Number of tracks that the comparison shows at first, the most severe ones."""
@@ -47,7 +47,7 @@ def render_page(
     log: EstimatorLog | None = None,
     *,
     title: str = "Estimator diagnosis",
-    held_out: Mapping[str, HeldOut] | None = None,
+    held_out: Mapping[str, HeldOutResult] | None = None,
     progress: bool = False,
 ) -> str:
     """The diagnosis as one HTML file: overview, comparison, and each track in full.
@@ -118,7 +118,7 @@ def write_page(
     log: EstimatorLog | None = None,
     *,
     title: str = "Estimator diagnosis",
-    held_out: Mapping[str, HeldOut] | None = None,
+    held_out: Mapping[str, HeldOutResult] | None = None,
     progress: bool = False,
 ) -> None:
     """Write :func:`render_page` to a file."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from trackmetrics.report.theme import segment_role
 from trackmetrics.report.track_view import TrackView
-from trackmetrics.vessel import HeldOut
+from trackmetrics.vessel import HeldOutResult
 
 DECADES = 2.0
 """The axis of scales reaches this many powers of ten on either side of 1."""
@@ -18,7 +18,7 @@ class Prediction:
 
     index: int
     """Position of the track in the overview."""
-    held_out: HeldOut
+    held_out: HeldOutResult
     """Result of the test."""
     verdict_fused: str
     """Verdict of the reports that the filter was given."""
@@ -35,7 +35,9 @@ class Prediction:
         return segment_role(self.held_out.verdict)
 
 
-def predictions(views: list[TrackView], held_out: Mapping[str, HeldOut] | None) -> list[Prediction]:
+def predictions(
+    views: list[TrackView], held_out: Mapping[str, HeldOutResult] | None
+) -> list[Prediction]:
     """The rows of the table, the largest scale first."""
     rows = [
         _prediction(index, view, held_out[view.track.track])
@@ -45,7 +47,7 @@ def predictions(views: list[TrackView], held_out: Mapping[str, HeldOut] | None) 
     return sorted(rows, key=lambda row: -row.held_out.scale)
 
 
-def _prediction(index: int, view: TrackView, held_out: HeldOut) -> Prediction:
+def _prediction(index: int, view: TrackView, held_out: HeldOutResult) -> Prediction:
     left, right = map(_percent, held_out.interval)
     return Prediction(
         index=index,

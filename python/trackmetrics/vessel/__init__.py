@@ -8,30 +8,29 @@
 
 from trackmetrics import _deprecated
 from trackmetrics.vessel.ais import read_ais
-from trackmetrics.vessel.holdout import HeldOut, predictive_nis
+from trackmetrics.vessel.holdout import HeldOutResult, predictive_nis
+from trackmetrics.vessel.published_run import THREE_SHIPS, three_ships
 from trackmetrics.vessel.reports import Reports, thin
-from trackmetrics.vessel.screening import Recording, SetAside, screen_rows
-from trackmetrics.vessel.settings import KINDS, STATES, Noise, Settings
+from trackmetrics.vessel.screening import Recording, RejectedRow, screen_rows
+from trackmetrics.vessel.settings import REPORT_TYPES, STATES, Noise, Settings
 from trackmetrics.vessel.simulation import (
-    THREE_SHIPS,
     Ship,
     Simulation,
     Turn,
     fleet,
     simulate,
-    three_ships,
 )
 from trackmetrics.vessel.tracker import Tracker, VesselTrack
 
 __all__ = [
-    "KINDS",
+    "REPORT_TYPES",
     "STATES",
     "THREE_SHIPS",
-    "HeldOut",
+    "HeldOutResult",
     "Noise",
     "Recording",
+    "RejectedRow",
     "Reports",
-    "SetAside",
     "Settings",
     "Ship",
     "Simulation",

@@ -1,6 +1,6 @@
 """Recordings of AIS: tables with the headings of many providers, JSON Lines, and NMEA.
 
-Rows that cannot be used are set aside and listed; see :mod:`trackmetrics.vessel.screening`.
+Rows that cannot be used are rejected and listed; see :mod:`trackmetrics.vessel.screening`.
 """
 
 import csv
@@ -51,7 +51,7 @@ def read_ais(
     Returns
     -------
     Recording
-        The usable reports, and each row that was set aside with its reason.
+        The usable reports, and each row that was rejected with its reason.
 
     Raises
     ------

@@ -31,32 +31,37 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _backend
+from trackmetrics import _backend, _deprecated
 from trackmetrics._angles import wrap
-from trackmetrics._progress import watched
+from trackmetrics._progress import with_progress
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.reports import Reports
 from trackmetrics.vessel.settings import OBSERVED, Floats, Settings
 
 Integers = NDArray[np.int64]
 
+VERDICT_ALPHA = 0.005
+"""p-value from which on a track counts as consistent."""
+MAX_SCALE_RATIO = 1.25
+"""A scale within this factor of 1 counts as consistent, however significant."""
+
 
 @dataclass(frozen=True)
-class HeldOut:
+class HeldOutResult:
     """How well a filter predicted the reports of one track that it had not fused."""
 
     track: str
     """Name of the track."""
     reports: int
     """How many reports were predicted."""
-    gaps: int
-    """Into how many gaps between fused reports they fall."""
+    num_gaps: int
+    """Number of gaps between fused reports in which they lie."""
     dof: int
     """Their components together."""
     effective_dof: float
-    """How many independent components would tell as much, given the correlation."""
+    """Number of independent components with the same information, given the correlation."""
     scale: float
-    """Sum of the NIS over ``dof``: 1 is consistent, above 1 the filter claims too much."""
+    """Sum of the NIS over ``dof``: 1 if consistent, above 1 optimistic, below 1 pessimistic."""
     interval: tuple[float, float]
     """95 % confidence interval of the scale."""
     p_value: float
@@ -66,16 +71,28 @@ class HeldOut:
     times: Floats
     """Its time."""
 
+    gaps = _deprecated.attribute("num_gaps")
+
     @property
     def verdict(self) -> str:
         """``"consistent"``, ``"optimistic"`` or ``"pessimistic"``, at 0.5 % and if material."""
-        if self.p_value >= 0.005 or 0.8 <= self.scale <= 1.25:
+        is_material = not 1 / MAX_SCALE_RATIO <= self.scale <= MAX_SCALE_RATIO
+        if self.p_value >= VERDICT_ALPHA or not is_material:
             return "consistent"
         return "optimistic" if self.scale > 1 else "pessimistic"
 
     def to_dict(self) -> dict[str, Any]:
         """The numbers, without those of each report."""
-        names = ("track", "reports", "gaps", "dof", "effective_dof", "scale", "p_value", "verdict")
+        names = (
+            "track",
+            "reports",
+            "num_gaps",
+            "dof",
+            "effective_dof",
+            "scale",
+            "p_value",
+            "verdict",
+        )
         found = {name: getattr(self, name) for name in names}
         return {**found, "interval": list(self.interval)}
 
@@ -83,14 +100,14 @@ class HeldOut:
         """Scale and verdict."""
         low, high = self.interval
         return (
-            f"HeldOut({self.track!r}, {self.verdict!r}, scale={self.scale:.3g} "
-            f"[{low:.3g}, {high:.3g}], reports={self.reports}, gaps={self.gaps})"
+            f"HeldOutResult({self.track!r}, {self.verdict!r}, scale={self.scale:.3g} "
+            f"[{low:.3g}, {high:.3g}], reports={self.reports}, num_gaps={self.num_gaps})"
         )
 
 
 def predictive_nis(
     log: EstimatorLog, held_out: Reports, settings: Settings, *, progress: bool = False
-) -> Mapping[str, HeldOut]:
+) -> Mapping[str, HeldOutResult]:
     """Test a filter on the reports that it has not fused.
 
     Parameters
@@ -107,14 +124,14 @@ def predictive_nis(
 
     Returns
     -------
-    mapping of str to HeldOut
+    mapping of str to HeldOutResult
         Of each track whose active filter some held-out reports can be predicted from. Reports
         before the first or after the last fused one, or of a track not yet active, are left out.
     """
     results = {}
     of_vessel = held_out.rows_by_vessel()
     nothing = np.empty(0, np.int64)
-    for track in watched(log, "predicting", len(log.tracks), " tracks") if progress else log:
+    for track in with_progress(log, "predicting", len(log.tracks), " tracks") if progress else log:
         rows = held_out.take(of_vessel.get(track, nothing))
         found = _of_track(track, log[track], rows, settings)
         if found is not None:
@@ -122,7 +139,7 @@ def predictive_nis(
     return results
 
 
-def _of_track(track: str, fused: Any, rows: Reports, settings: Settings) -> HeldOut | None:
+def _of_track(track: str, fused: Any, rows: Reports, settings: Settings) -> HeldOutResult | None:
     order = np.argsort(rows.time, kind="stable")
     before = np.searchsorted(fused.time, rows.time[order], side="right") - 1
     usable = (before >= 0) & (before < len(fused.time) - 1)
@@ -132,8 +149,8 @@ def _of_track(track: str, fused: Any, rows: Reports, settings: Settings) -> Held
         return None
     predictions = _Predictions(fused, rows, before, settings)
     nis = predictions.nis()
-    gaps = len(np.unique(before))
-    return _judge(track, rows, nis, predictions.observed, gaps, predictions.traces())
+    num_gaps = len(np.unique(before))
+    return _result(track, rows, nis, predictions.observed, num_gaps, predictions.traces())
 
 
 class _Predictions:
@@ -167,7 +184,7 @@ class _Predictions:
         before = earlier @ earlier.swapaxes(1, 2)
         after = later.swapaxes(1, 2) @ later
         between = later.swapaxes(1, 2) @ earlier.swapaxes(1, 2)
-        carried = self._carried()
+        carried = self._transition_products()
         sums = _running(before, carried[1:])
         ends = _running(after[::-1], carried[:0:-1].swapaxes(1, 2))[::-1]
         pairs = float(np.einsum("nij,nji->", sums, after))
@@ -175,7 +192,7 @@ class _Predictions:
         total = float(self.observed.sum())
         return total + 2 * pairs, total + 6 * pairs + 6 * triples
 
-    def _carried(self) -> Floats:
+    def _transition_products(self) -> Floats:
         """For each report, what the updates since the report before did to the error."""
         carried = np.broadcast_to(np.eye(5), (len(self.rows), 5, 5)).copy()
         for k in np.flatnonzero(np.diff(self.before)) + 1:
@@ -207,21 +224,23 @@ def _variances(rows: Reports, settings: Settings) -> Floats:
     return variances
 
 
-def _judge(
+def _result(
     track: str,
     rows: Reports,
     nis: Floats,
     observed: Integers,
-    gaps: int,
+    num_gaps: int,
     traces: tuple[float, float],
-) -> HeldOut:
+) -> HeldOutResult:
     dof, total = int(observed.sum()), float(nis.sum())
     # 1 <= shape <= effective <= dof holds for every C; clipped, it holds for a rounded one too.
     effective = float(np.clip(dof**2 / traces[0], 1.0, dof))
     shape = float(np.clip(traces[0] ** 3 / traces[1] ** 2, 1.0, effective))
     p, (low, high) = _tails(total / dof, effective, shape)
     interval = (total / dof / high, total / dof / low)
-    return HeldOut(track, len(rows), gaps, dof, effective, total / dof, interval, p, nis, rows.time)
+    return HeldOutResult(
+        track, len(rows), num_gaps, dof, effective, total / dof, interval, p, nis, rows.time
+    )
 
 
 def _tails(scale: float, effective: float, shape: float) -> tuple[float, tuple[float, float]]:

@@ -1,7 +1,7 @@
 """NMEA sentences of AIS as rows, through ``pyais`` (the extra ``ais``).
 
 Position reports of class A (messages 1, 2, 3), class B (18, 19), aircraft (9) and long range (27)
-become rows, and those of base stations and aids to navigation, which are set aside; other messages
+become rows, and those of base stations and aids to navigation, which are rejected; other messages
 are no reports and pass. A sentence that cannot be decoded becomes a row without a position, so that
 it is counted with the unreadable ones. The time is that of the tag block (``\\c:UNIX``) or of the
 number before or behind the sentence; a message in several sentences has the time of its first.
@@ -16,7 +16,7 @@ _LINE = re.compile(
 )
 _TAG_TIME = re.compile(r"(?:^|[,\\])c:(\d+(?:\.\d+)?)")
 _POSITIONS = (1, 2, 3, 4, 9, 11, 18, 19, 21, 27)
-"""Messages with a position; base stations (4, 11) and aids to navigation (21) are set aside."""
+"""Messages with a position; base stations (4, 11) and aids to navigation (21) are rejected."""
 _NO_SPEED_27 = 63
 """What message 27 sends for "speed not available"."""
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from trackmetrics import _check, errors
 from trackmetrics._tables import times
 from trackmetrics._tables.errors import value
-from trackmetrics.vessel.settings import KINDS, OBSERVED, SLOW, Floats
+from trackmetrics.vessel.settings import MIN_SPEED_FOR_COURSE, OBSERVED, REPORT_TYPES, Floats
 
 NO_SPEED = 102.3
 """What AIS sends for "speed not available" (1023 in steps of 0.1 kt)."""
@@ -35,7 +35,7 @@ class Reports:
     vessel: NDArray[np.object_]
     """Name or MMSI as text, None for a position without identity."""
     kind: NDArray[np.int64]
-    """Index into :data:`KINDS`."""
+    """Index into :data:`REPORT_TYPES`."""
     z: Floats
     """``(n, 4)``: latitude, longitude (deg), speed (kt), course (deg); NaN for what is not used."""
 
@@ -104,7 +104,7 @@ class Reports:
     @property
     def kinds(self) -> tuple[str, ...]:
         """The kind of each, by name."""
-        return tuple(KINDS[k] for k in self.kind)
+        return tuple(REPORT_TYPES[k] for k in self.kind)
 
     @property
     def vessels(self) -> tuple[str, ...]:
@@ -192,6 +192,6 @@ def _names(vessel: Any, n: int) -> NDArray[np.object_]:
 def _kinds(sog: Floats, cog: Floats, named: Any) -> NDArray[np.int64]:
     speed = np.isfinite(sog) & (sog < NO_SPEED) & (sog >= 0)
     course = np.isfinite(cog) & (cog < NO_COURSE) & (cog >= 0)
-    moving = np.where(sog < SLOW, 1, 0)
+    moving = np.where(sog < MIN_SPEED_FOR_COURSE, 1, 0)
     kind = np.where(speed & course, moving, 2)
     return np.where(named, kind, 3).astype(np.int64)

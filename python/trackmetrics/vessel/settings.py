@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _check, errors
+from trackmetrics import _check, _deprecated, errors
 from trackmetrics._tables.errors import value
 from trackmetrics.logs import State
 
@@ -21,17 +21,15 @@ STATES = (
 )
 """The five states: latitude, longitude, speed and course over ground, turn rate."""
 
-KINDS = ("AIS", "AIS without course", "truncated AIS", "position")
-"""The kinds of report; a report holds the index of its kind."""
+REPORT_TYPES = ("AIS", "AIS without course", "truncated AIS", "position")
+"""The types of report; a report has the index of its type."""
+AIS, AIS_WITHOUT_COURSE, TRUNCATED_AIS, POSITION = range(len(REPORT_TYPES))
 
 OBSERVED = np.array([4, 3, 2, 2], np.int64)
-"""How many of the leading states each kind measures."""
+"""How many of the leading states each type of report measures."""
 
-SLOW = 1.0
-"""Speed in knots below which a course over ground says nothing."""
-
-EARTH = 6_371_008.8
-"""Mean radius of the Earth in metres (IUGG), for distances between reports."""
+MIN_SPEED_FOR_COURSE = 1.0
+"""Speed in knots below which a course over ground is not used."""
 
 
 def _require(name: str, value: Any, requirement: str, *, finite: bool = True) -> None:
@@ -61,6 +59,11 @@ class Noise:
             _require(f.name, getattr(self, f.name), "positive")
 
 
+@_deprecated.parameters_of_class(
+    tentative="num_tentative",  # _deprecated.
+    placeholders="trust_missing_values",  # _deprecated.
+    gate="gate_probability",  # _deprecated.
+)
 @dataclass(frozen=True)
 class Settings:
     """What a filter assumes. The defaults are consistent for a cargo ship at sea with good AIS.
@@ -88,18 +91,23 @@ class Settings:
     """Time constant with which a turn rate decays, in seconds; infinite: it stays."""
     turn_rate_std: float = 0.02
     """Standard deviation of the turn rate of a new track, deg/s."""
-    tentative: int = 2
-    """How many reports a track stays tentative: without NIS."""
-    placeholders: bool = False
-    """Whether a new track takes what it does not know for known: speed 0, course 360."""
+    num_tentative: int = 2
+    """Number of first reports during which a track is tentative and has no NIS."""
+    trust_missing_values: bool = False
+    """Whether a new track takes an unknown speed for 0 kt and an unknown course for 360 deg, with
+    the variances of measured ones."""
     coast_after: float = 600.0
     """After how many seconds without a report a track coasts."""
     delete_after: float = 3600.0
     """After how many seconds without a report a track ends."""
     max_speed: float = 60.0
     """Speed in knots that no vessel has."""
-    gate: float = 0.999
-    """Share of its own positions that falls into the gate of a track."""
+    gate_probability: float = 0.999
+    """Probability that a position of a track falls into its gate."""
+
+    tentative = _deprecated.attribute("num_tentative")
+    placeholders = _deprecated.attribute("trust_missing_values")
+    gate = _deprecated.attribute("gate_probability")
 
     def __post_init__(self) -> None:
         """Refuse what no filter can run with."""
@@ -110,15 +118,16 @@ class Settings:
             _require(name, getattr(self, name), "at least 0")
         for name in ("turn_rate_decay", "coast_after", "delete_after"):
             _require(name, getattr(self, name), "positive", finite=False)
-        for name in ("turn_rate_std", "max_speed", "gate"):
+        for name in ("turn_rate_std", "max_speed", "gate_probability"):
             _require(name, getattr(self, name), "positive")
-        if not self.gate < 1:
-            raise errors.parameter("gate", "between 0 and 1", self.gate)
-        if isinstance(self.tentative, bool | np.bool_):
-            raise TypeError(f"tentative must be a whole number, got {self.tentative!r}")
-        _check.count("tentative", self.tentative, 1)
-        if not isinstance(self.placeholders, bool | np.bool_):
-            raise TypeError(f"placeholders must be True or False, got {value(self.placeholders)}")
+        if not self.gate_probability < 1:
+            raise errors.parameter("gate_probability", "between 0 and 1", self.gate_probability)
+        if isinstance(self.num_tentative, bool | np.bool_):
+            raise TypeError(f"num_tentative must be a whole number, got {self.num_tentative!r}")
+        _check.count("num_tentative", self.num_tentative, 1)
+        if not isinstance(self.trust_missing_values, bool | np.bool_):
+            given = value(self.trust_missing_values)
+            raise TypeError(f"trust_missing_values must be True or False, got {given}")
 
     @classmethod
     def harbour(cls) -> "Settings":
@@ -145,7 +154,11 @@ class Settings:
     @property
     def rules(self) -> tuple[int, float, bool, float]:
         """The rules of a track's life as kernels take them."""
-        start = (int(self.tentative), float(self.turn_rate_std), bool(self.placeholders))
+        start = (
+            int(self.num_tentative),
+            float(self.turn_rate_std),
+            bool(self.trust_missing_values),
+        )
         return (*start, float(self.delete_after))
 
     @property
@@ -153,11 +166,3 @@ class Settings:
         """``(4, 3)``: position, speed and course deviation of each kind."""
         noises = (self.ais, self.ais, self.truncated_ais, self.position)
         return np.array([[n.position, n.speed, n.course] for n in noises])
-
-
-def metres_between(lat0: Any, lon0: Any, lat1: Any, lon1: Any) -> Any:
-    """Great-circle distance in metres between points in degrees (haversine), element by element."""
-    phi0, phi1 = np.radians(lat0), np.radians(lat1)
-    half = np.sin((phi1 - phi0) / 2) ** 2
-    half = half + np.cos(phi0) * np.cos(phi1) * np.sin(np.radians(np.subtract(lon1, lon0)) / 2) ** 2
-    return 2 * EARTH * np.arcsin(np.sqrt(np.minimum(half, 1.0)))

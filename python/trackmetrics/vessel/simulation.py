@@ -1,22 +1,24 @@
-"""Simulated vessels, deterministic by seed: the three ships of a published run, and other fleets.
-
-The three ships carry the support pattern of a published run of a vessel estimator ("Multi Object
-Tracking framework diagnostics": the times and types of its 63 updates, read from the exported
-plots): which sensor saw which ship, and when. Truth is drawn from the filter's own process model in
-steps of 10 s; the third ship turns while there is no report.
-"""
+"""Simulated vessels, deterministic by seed; the truth follows the filter's process model."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from trackmetrics import _backend, _deprecated, errors
 from trackmetrics.logs import EstimatorLog
-from trackmetrics.vessel.mmsi_conflicts import KNOT
+from trackmetrics.vessel.geodesy import KNOT
 from trackmetrics.vessel.reports import Reports
-from trackmetrics.vessel.settings import OBSERVED, SLOW, Floats, Noise, Settings
+from trackmetrics.vessel.settings import (
+    AIS,
+    AIS_WITHOUT_COURSE,
+    MIN_SPEED_FOR_COURSE,
+    OBSERVED,
+    POSITION,
+    TRUNCATED_AIS,
+    Floats,
+    Settings,
+)
 from trackmetrics.vessel.to_log import write_log
 from trackmetrics.vessel.tracker import Tracker
 
@@ -47,7 +49,7 @@ class Ship:
     times: tuple[float, ...]
     """When it is seen, in seconds: whole steps of 10 s after the beginning."""
     kinds: tuple[int, ...]
-    """By which kind of report, as index into ``KINDS``."""
+    """By which kind of report, as index into ``REPORT_TYPES``."""
     turns: tuple[Turn, ...] = ()
     """Its manoeuvres."""
 
@@ -78,121 +80,30 @@ class Simulation:
         for ship in self.ships:
             tracker = Tracker(self.settings[ship])
             tracker.add(self.reports[ship], self.truth[ship])
-            parts.append(tracker.part())
+            parts.append(tracker.blocks_and_names())
         return write_log(parts)
 
 
-# ------------------------------------------------------------------ the three ships
-
-_AIS, _NO_COURSE, _TRUNCATED, _POSITION = range(4)
-_LETTERS = {"A": _AIS, "T": _TRUNCATED, "P": _POSITION}
-
-
-def _seen(minutes: str, letters: str) -> dict[str, Any]:
-    times = tuple(60.0 * int(minute) for minute in minutes.split())
-    return {"times": times, "kinds": tuple(_LETTERS[letter] for letter in letters)}
-
-
-THREE_SHIPS = (
-    Ship(
-        "MV Iron Falcon2",
-        (72.04, 30.0, 10.0, 45.0),
-        **_seen(
-            "0 5 13 25 28 33 36 53 59 65 73 78 79 88 94 96 103 109 111 117 119 125 129 133 141"
-            " 161 165 169",
-            "TAAAAAAPPAPPPPPPAPPAAPPAAAAA",
-        ),
-    ),
-    Ship(
-        "SS Iron Aurora1",
-        (74.53, 32.0, 10.0, 45.0),
-        **_seen(
-            "5 20 29 37 50 54 59 64 66 74 83 89 98 104 108 113 117 120 125 129 137 145 149 169",
-            "TAAPPAPPPPPPPPPAAAPAPAAA",
-        ),
-    ),
-    Ship(
-        "SS Northern Star0",
-        (73.60, 35.0, 25.0, 180.0),
-        **_seen("5 36 50 54 64 69 72 78 81 113 120", "AAPPPPPPPAA"),
-        turns=(Turn(5100.0, 6900.0, 0.10),),
-    ),
+@_deprecated.parameters(
+    interval="report_interval",
+    shares="type_shares",
+    outages="outage_rate",
+    outage="outage_duration",
+    rate="turn_rate",
+    spread="start_std",
 )
-"""The ships of the published run: minutes and kinds of its 63 updates (A AIS, T truncated AIS,
-P position), starts near its own. Northern Star0's turn falls into the silence of the run from 4860
-to 6780 s; the published run has no such turn, but breaks at the same update."""
-
-ACCELERATION, TURN = 1e-4, 1e-7
-
-CONSISTENT = Settings(
-    ais=Noise(350.0, 1.25, 2.0),
-    truncated_ais=Noise(150.0),
-    position=Noise(350.0),
-    acceleration_density=ACCELERATION,
-    turn_density=TURN,
-)
-"""Sensor noise as it is: what the published run's reports show against its truth."""
-PUBLISHED = replace(CONSISTENT, ais=Noise(600.0, 2.0, 3.0), position=Noise(600.0))
-"""Sensor noise as the published run's filter claims it."""
-
-
-def three_ships(seed: int = 0, noise: str = "consistent") -> Simulation:
-    """The three ships of the published run.
-
-    Parameters
-    ----------
-    seed : int
-        The same seed gives the same run.
-    noise : str
-        ``"consistent"``: the filter assumes the noise that there is. ``"published"``: it
-        assumes what the published filter did, and expects twice the true deviations of acceleration
-        and turn.
-
-    Returns
-    -------
-    Simulation
-        Falcon2 starts from placeholders (speed 0, course 360, taken for known), as in the published
-        run.
-
-    Examples
-    --------
-    >>> log = three_ships(seed=1).track()
-    >>> len(log), float(log["SS Northern Star0"].time[-1])
-    (63, 7200.0)
-    """
-    if noise in _deprecated.RENAMED_NOISE:
-        renamed = _deprecated.RENAMED_NOISE[noise]
-        _deprecated.warn(f"three_ships(noise={noise!r})", f"three_ships(noise={renamed!r})")
-        noise = renamed
-    if noise not in ("consistent", "published"):
-        raise ValueError(f"noise must be 'consistent' or 'published', got {noise!r}")
-    share = 1.0 if noise == "consistent" else 0.25
-    settings = CONSISTENT if noise == "consistent" else PUBLISHED
-    falcon = replace(settings, placeholders=True, tentative=1)
-    true = replace(
-        CONSISTENT,
-        acceleration_density=ACCELERATION * share,
-        turn_density=TURN * share,
-    )
-    each = {ship.name: settings for ship in THREE_SHIPS} | {THREE_SHIPS[0].name: falcon}
-    return simulate(THREE_SHIPS, true, each, begin=-420.0, end=10_320.0, seed=seed)
-
-
-# ------------------------------------------------------------------ other fleets
-
-
 def fleet(
     ships: int = 10,
     *,
     duration: float = 3600.0,
-    interval: float | tuple[float, float] = (10.0, 60.0),
-    shares: tuple[float, float, float] = (0.5, 0.2, 0.3),
-    outages: float = 0.0,
-    outage: float = 1200.0,
+    report_interval: float | tuple[float, float] = (10.0, 60.0),
+    type_shares: tuple[float, float, float] = (0.5, 0.2, 0.3),
+    outage_rate: float = 0.0,
+    outage_duration: float = 1200.0,
     manoeuvres: float = 0.0,
-    rate: float = 0.1,
+    turn_rate: float = 0.1,
     centre: tuple[float, float] = (50.7, -1.1),
-    spread: float = 20_000.0,
+    start_std: float = 20_000.0,
     speed: tuple[float, float] = (5.0, 20.0),
     settings: Settings | None = None,
     seed: int = 0,
@@ -205,16 +116,16 @@ def fleet(
         How many.
     duration : float
         Seconds.
-    interval : float or (float, float)
+    report_interval : float or (float, float)
         Mean seconds between two reports of a ship, or the range from which each draws its own;
         times are whole steps of 10 s.
-    shares : (float, float, float)
+    type_shares : (float, float, float)
         Share of full AIS, truncated AIS and positions; the first two reports are full AIS.
-    outages, outage : float
-        Expected number of silences a ship, and their length in seconds.
-    manoeuvres, rate : float
-        Expected number of turns a ship of 5 to 15 minutes, and their rate in deg/s (either side).
-    centre, spread
+    outage_rate, outage_duration : float
+        Expected number of gaps without reports per ship, and their length in seconds.
+    manoeuvres, turn_rate : float
+        Expected number of turns per ship, of 5 to 15 minutes, and their rate in deg/s.
+    centre, start_std
         Where the fleet is (deg), and the standard deviation of the starts in metres.
     speed : (float, float)
         Range of speeds, knots.
@@ -228,66 +139,73 @@ def fleet(
     >>> fleet(3, seed=4).ships
     ('ship 1', 'ship 2', 'ship 3')
     """
-    _check_fleet(ships, duration, shares)
+    _check_fleet(ships, duration, type_shares)
     settings = settings or Settings()
-    low, high = interval if isinstance(interval, tuple) else (interval, interval)
+    low, high = (
+        report_interval
+        if isinstance(report_interval, tuple)
+        else (report_interval, report_interval)
+    )
     drawn = []
     for k in range(ships):
         rng = np.random.default_rng([seed, 1, k])
-        start = _start(rng, centre, spread, speed)
+        start = _start(rng, centre, start_std, speed)
         times = _times(rng, float(rng.uniform(low, high)), duration)
-        times = _silenced(rng, times, rng.poisson(outages), outage, duration)
-        kinds = rng.choice([_AIS, _TRUNCATED, _POSITION], len(times), p=shares)
-        kinds[:2] = _AIS
-        turns = tuple(_turn(rng, duration, rate) for _ in range(rng.poisson(manoeuvres)))
+        times = _without_outages(rng, times, rng.poisson(outage_rate), outage_duration, duration)
+        kinds = rng.choice([AIS, TRUNCATED_AIS, POSITION], len(times), p=type_shares)
+        kinds[:2] = AIS
+        turns = tuple(_turn(rng, duration, turn_rate) for _ in range(rng.poisson(manoeuvres)))
         drawn.append(Ship(f"ship {k + 1}", start, tuple(times), tuple(kinds.tolist()), turns))
     each = {ship.name: settings for ship in drawn}
     return simulate(drawn, settings, each, begin=0.0, end=duration, seed=seed)
 
 
-def _silenced(
-    rng: np.random.Generator, times: Floats, outages: int, outage: float, duration: float
+def _without_outages(
+    rng: np.random.Generator,
+    times: Floats,
+    outage_rate: int,
+    outage_duration: float,
+    duration: float,
 ) -> Floats:
-    """Times without those of the silences."""
-    for begin in rng.uniform(0, max(duration - outage, 0), outages):
-        times = times[(times <= begin) | (times > begin + outage)]
+    """Times without those in the gaps."""
+    for begin in rng.uniform(0, max(duration - outage_duration, 0), outage_rate):
+        times = times[(times <= begin) | (times > begin + outage_duration)]
     return times
 
 
-def _check_fleet(ships: int, duration: float, shares: Sequence[float]) -> None:
+def _check_fleet(ships: int, duration: float, type_shares: Sequence[float]) -> None:
     if not ships >= 1:
         raise errors.parameter("ships", "at least 1", ships)
     if not STEP <= duration < np.inf:
         raise errors.parameter("duration", f"at least {STEP:g} and finite", duration)
-    if abs(sum(shares) - 1) > 1e-9 or min(shares) < 0:
-        raise ValueError(f"shares must be at least 0 and add up to 1, got {tuple(shares)}")
+    if abs(sum(type_shares) - 1) > 1e-9 or min(type_shares) < 0:
+        raise ValueError(
+            f"type_shares must be at least 0 and add up to 1, got {tuple(type_shares)}"
+        )
 
 
 def _start(
     rng: np.random.Generator,
     centre: tuple[float, float],
-    spread: float,
+    start_std: float,
     speed: tuple[float, float],
 ) -> tuple[float, float, float, float]:
-    north, east = rng.normal(size=2) * spread / 111_000.0
+    north, east = rng.normal(size=2) * start_std / 111_000.0
     lon = centre[1] + east / max(np.cos(np.radians(centre[0])), 0.01)
     return centre[0] + north, lon, float(rng.uniform(*speed)), float(rng.uniform(0, 360))
 
 
-def _times(rng: np.random.Generator, interval: float, duration: float) -> Floats:
-    """Times of reports: gaps between half and one and a half of the interval, in whole steps."""
-    gaps = rng.uniform(0.5, 1.5, int(2 * duration / interval) + 2) * interval
+def _times(rng: np.random.Generator, report_interval: float, duration: float) -> Floats:
+    """Times of reports: gaps of 0.5 to 1.5 intervals, in whole steps."""
+    gaps = rng.uniform(0.5, 1.5, int(2 * duration / report_interval) + 2) * report_interval
     times = np.unique(np.round(np.cumsum(gaps) / STEP) * STEP)
     return times[times <= duration]
 
 
-def _turn(rng: np.random.Generator, duration: float, rate: float) -> Turn:
+def _turn(rng: np.random.Generator, duration: float, turn_rate: float) -> Turn:
     length = float(rng.uniform(300, 900))
     start = float(rng.uniform(0, max(duration - length, 0)))
-    return Turn(start, start + length, rate * float(rng.choice([-1, 1])))
-
-
-# ------------------------------------------------------------------ the simulation
+    return Turn(start, start + length, turn_rate * float(rng.choice([-1, 1])))
 
 
 def simulate(
@@ -366,7 +284,7 @@ def _report(ship: Ship, truth: Floats, true: Settings, rng: np.random.Generator)
     z[:, :2] += draws[:, :2] * sigma[:, :1] / metres
     z[:, 2] = np.maximum(z[:, 2] + draws[:, 2] * sigma[:, 1], 0.0)
     z[:, 3] = (z[:, 3] + draws[:, 3] * sigma[:, 2]) % 360.0
-    kind[(kind == _AIS) & (z[:, 2] < SLOW)] = _NO_COURSE
+    kind[(kind == AIS) & (z[:, 2] < MIN_SPEED_FOR_COURSE)] = AIS_WITHOUT_COURSE
     z[np.arange(4) >= OBSERVED[kind][:, None]] = np.nan
     names = np.full(len(kind), ship.name, object)
     return Reports(np.array(ship.times, np.float64), names, kind, z)

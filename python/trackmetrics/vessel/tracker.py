@@ -7,17 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _backend
+from trackmetrics import _backend, _deprecated
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.association import associate
-from trackmetrics.vessel.mmsi_conflicts import ESTABLISHED, Chain, choose, steps_too_fast
+from trackmetrics.vessel.mmsi_conflicts import (
+    MIN_VESSEL_REPORTS,
+    VesselSegment,
+    assign_segment,
+    exceeds_speed,
+)
 from trackmetrics.vessel.reports import Reports
 from trackmetrics.vessel.settings import OBSERVED, Floats, Settings
-from trackmetrics.vessel.to_log import Block, write_log
+from trackmetrics.vessel.to_log import FilterBatch, Outcome, write_log
 
 Integers = NDArray[np.int64]
 
-SLACK = 5.0
+MAX_POSITION_DEVIATIONS = 5.0
 """Standard deviations by which a position may lie off, where a vessel's reach is judged."""
 
 
@@ -97,13 +102,13 @@ class Tracker:
     def __init__(self, settings: Settings | None = None) -> None:
         self.settings = settings or Settings()
         self._fleet = _Fleet()
-        self._chains: dict[str, list[Chain]] = {}
-        self._blocks: list[Block] = []
+        self._segments: dict[str, list[VesselSegment]] = {}
+        self._blocks: list[FilterBatch] = []
         self._clock = -np.inf
         self._seen = 0
         self._sigmas = self.settings.sigmas
         # The quantile of a chi-square of two degrees of freedom has a closed form.
-        self._gate = float(-2 * np.log1p(-self.settings.gate))
+        self._gate = float(-2 * np.log1p(-self.settings.gate_probability))
 
     # ------------------------------------------------------------------ what goes in
 
@@ -149,7 +154,7 @@ class Tracker:
     def _take_positions(self, reports: Reports, truths: Floats, sources: Integers) -> None:
         time = float(reports.time[0])
         if time < self._clock:
-            self._blocks.append(Block.late(reports, sources))
+            self._blocks.append(FilterBatch.late(reports, sources))
             return
         self._clock = time
         tracks = np.full(len(reports), -1, np.int64)
@@ -194,7 +199,7 @@ class Tracker:
             self.settings.rules,
         )
         fleet.life[used], fleet.x[used], fleet.p[used] = state
-        self._blocks.append(Block(tracks, sources, reports, truths, rows))
+        self._blocks.append(FilterBatch(tracks, sources, reports, truths, rows))
 
     # ------------------------------------------------------------------ whose reports
 
@@ -207,39 +212,50 @@ class Tracker:
 
     def _tracks_of_vessel(self, vessel: str, reports: Reports, rows: Integers) -> Any:
         """One track, as long as the vessel can have sailed from each report to the next."""
-        chains = self._chains.setdefault(vessel, [])
+        segments = self._segments.setdefault(vessel, [])
         columns = (reports.time[rows], reports.z[rows, 0], reports.z[rows, 1])
-        slack = SLACK * self._sigmas[reports.kind[rows], 0]
-        if len(chains) <= 1 < len(rows):
-            if chains:
-                end = chains[0]
-                before = ([end.time], [end.lat], [end.lon], [end.slack])
-                steps = [np.append(a, b) for a, b in zip(before, (*columns, slack), strict=True)]
+        position_tolerance = MAX_POSITION_DEVIATIONS * self._sigmas[reports.kind[rows], 0]
+        if len(segments) <= 1 < len(rows):
+            if segments:
+                end = segments[0]
+                before = ([end.time], [end.lat], [end.lon], [end.position_tolerance])
+                steps = [
+                    np.append(a, b)
+                    for a, b in zip(before, (*columns, position_tolerance), strict=True)
+                ]
             else:
-                steps = [*columns, slack]
-            if not steps_too_fast(steps[0], *steps[1:], max_speed=self.settings.max_speed):
-                chain = chains[0] if chains else self._new_chain(vessel, chains)
-                chain.extend(*(float(c[-1]) for c in (*columns, slack)))
-                chain.reports += len(rows) - 1
-                return chain.key
+                steps = [*columns, position_tolerance]
+            if not exceeds_speed(steps[0], *steps[1:], max_speed=self.settings.max_speed):
+                segment = segments[0] if segments else self._new_segment(vessel, segments)
+                segment.extend(*(float(c[-1]) for c in (*columns, position_tolerance)))
+                segment.reports += len(rows) - 1
+                return segment.key
         return [
-            self._continue(vessel, chains, *map(float, report))
-            for report in zip(*columns, slack, strict=True)
+            self._continue(vessel, segments, *map(float, report))
+            for report in zip(*columns, position_tolerance, strict=True)
         ]
 
     def _continue(
-        self, vessel: str, chains: list[Chain], time: float, lat: float, lon: float, slack: float
+        self,
+        vessel: str,
+        segments: list[VesselSegment],
+        time: float,
+        lat: float,
+        lon: float,
+        position_tolerance: float,
     ) -> int:
-        chain = choose(chains, time, lat, lon, slack, self.settings.max_speed)
-        if chain is None:
-            chain = self._new_chain(vessel, chains)
-        chain.extend(time, lat, lon, slack)
-        return chain.key
+        segment = assign_segment(
+            segments, time, lat, lon, position_tolerance, self.settings.max_speed
+        )
+        if segment is None:
+            segment = self._new_segment(vessel, segments)
+        segment.extend(time, lat, lon, position_tolerance)
+        return segment.key
 
-    def _new_chain(self, vessel: str, chains: list[Chain]) -> Chain:
+    def _new_segment(self, vessel: str, segments: list[VesselSegment]) -> VesselSegment:
         key = int(self._fleet.grow([vessel])[0])
-        chains.append(Chain(0.0, 0.0, 0.0, 0.0, 0, key))
-        return chains[-1]
+        segments.append(VesselSegment(0.0, 0.0, 0.0, 0.0, 0, key))
+        return segments[-1]
 
     # ------------------------------------------------------------------ what comes out
 
@@ -260,24 +276,26 @@ class Tracker:
     def _status(self, reports: int, age: float) -> str:
         if age > self.settings.delete_after:
             return "deleted"
-        if reports <= self.settings.tentative:
+        if reports <= self.settings.num_tentative:
             return "tentative"
         return "coasting" if age > self.settings.coast_after else "active"
 
     @property
     def late(self) -> Integers:
         """Which reports, counted from the first ever added, came late and were not used."""
-        late = [block.sources[block.outcome == 0] for block in self._blocks]
+        late = [block.sources[block.outcome == Outcome.LATE] for block in self._blocks]
         return np.sort(np.concatenate([np.empty(0, np.int64), *late]))
 
     @property
-    def shared(self) -> tuple[str, ...]:
+    def duplicate_mmsi(self) -> tuple[str, ...]:
         """Identities under which two or more vessels report."""
         return tuple(
             vessel
-            for vessel, chains in self._chains.items()
-            if sum(chain.reports >= ESTABLISHED for chain in chains) > 1
+            for vessel, segments in self._segments.items()
+            if sum(segment.reports >= MIN_VESSEL_REPORTS for segment in segments) > 1
         )
+
+    shared = _deprecated.attribute("duplicate_mmsi")
 
     def log(self) -> EstimatorLog:
         """One row for each report that was used, track by track.
@@ -289,9 +307,9 @@ class Tracker:
         ValueError
             If no report was used.
         """
-        return write_log([self.part()])
+        return write_log([self.blocks_and_names()])
 
-    def part(self) -> tuple[list[Block], dict[tuple[int, int], str]]:
+    def blocks_and_names(self) -> tuple[list[FilterBatch], dict[tuple[int, int], str]]:
         """What a log of several trackers needs of this one."""
         return self._blocks, self._names()
 

@@ -1,4 +1,4 @@
-"""What all accumulators share: runs go in, in any order and batches; the same bits come out."""
+"""The base of all accumulators: the same bits for runs in any order and in any batches."""
 
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Self
@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _check
+from trackmetrics import _check, _deprecated
 from trackmetrics.monte_carlo import serialization
 from trackmetrics.monte_carlo.run_tree import (
     MAX_LEVEL,
@@ -39,20 +39,20 @@ class Accumulator(ABC):
 
     @property
     def runs(self) -> int:
-        """How many runs gave something."""
+        """Number of runs with a result."""
         return len(self._tree) - self._skipped
 
     @property
-    def covered(self) -> list[tuple[int, int]]:
-        """The runs that went in, with those that gave nothing, as intervals ``first .. stop``."""
+    def intervals(self) -> list[tuple[int, int]]:
+        """Runs that were added, those without a result included, as pairs ``first, stop``."""
         return self._tree.intervals()
 
     def __repr__(self) -> str:
-        covered = ", ".join(f"{first}..{stop}" for first, stop in self.covered)
-        return f"<{type(self).__name__} of {self.runs} runs{covered and ': '}{covered}>"
+        intervals = ", ".join(f"{first}..{stop}" for first, stop in self.intervals)
+        return f"<{type(self).__name__} of {self.runs} runs{intervals and ': '}{intervals}>"
 
-    def skip(self, first_run: int, runs: int = 1) -> None:
-        """Says that these runs give nothing: they count as done, and add nothing."""
+    def add_empty_runs(self, first_run: int, runs: int = 1) -> None:
+        """Adds runs without a result: they count as done and change no sum."""
         self._require_new(first_run, runs)
         self._cover(first_run, runs)
         self._skipped += runs
@@ -162,7 +162,7 @@ class Accumulator(ABC):
 
     @abstractmethod
     def result(self) -> Any:
-        """What the runs so far say."""
+        """The statistics of the runs so far."""
 
     @classmethod
     def _from_settings(cls, settings: dict[str, Any]) -> Self:
@@ -171,22 +171,26 @@ class Accumulator(ABC):
         return made
 
     def empty_copy(self) -> Self:
-        """One that takes the same runs, and has none."""
+        """An accumulator with the same settings and no run."""
         made = self._from_settings(self.settings)
         made._tree.max_level = self._tree.max_level
         return made
 
-    def moved_to(self, run: int) -> Self:
+    def renumbered(self, run: int) -> Self:
         """A copy of one run, numbered 0, as the run of this number."""
         nodes = list(self._tree)
         if [(start, level) for start, level, _ in nodes] != [(0, 0)]:
             raise ValueError(
-                f"an accumulator of one run must hold run 0, this holds {self.covered}"
+                f"an accumulator of one run must hold run 0, this holds {self.intervals}"
             )
         made = self.empty_copy()
         made.shape, made._counts, made._skipped = self.shape, self._counts, self._skipped
         made._tree.add(run, 0, nodes[0][2])
         return made
+
+    covered = _deprecated.attribute("intervals")
+    skip = _deprecated.attribute("add_empty_runs")
+    moved_to = _deprecated.attribute("renumbered")
 
     def _cover(self, first_run: int, runs: int) -> None:
         """Says that these runs are in, without sums."""
