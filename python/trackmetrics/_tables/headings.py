@@ -48,6 +48,19 @@ def match(names: Sequence[str], known: Iterable[str]) -> dict[str, str]:
     return found
 
 
+def unmatched(names: Sequence[str], known: Iterable[str]) -> list[str]:
+    """The headings that are no known name in any capitals, nor an element of one."""
+    lower = {name.lower() for name in known}
+    return [n for n in names if n.partition("[")[0].strip().lower() not in lower]
+
+
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that a heading with a typing error most likely means; None if none is near."""
+    base = re.sub(r"\[.*", "", name)
+    close = difflib.get_close_matches(base, [k for k in known if len(k) > 2], 1, 0.75)
+    return close[0] if len(base) > 2 and close and close[0] != base else None
+
+
 def nearest(wanted: str, names: Sequence[str]) -> str:
     """What to say of a heading that is missing: those there are, and the most similar."""
     by_plain = {re.sub(r"[\[({].*|[^a-z0-9]", "", name.lower()): name for name in names}

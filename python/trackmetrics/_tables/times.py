@@ -55,9 +55,11 @@ def to_seconds(
     *,
     strict: bool = True,
 ) -> Times:
-    """Times of any form as seconds; ``unit`` insists on the unit of numbers.
+    """Times of any form as seconds.
 
-    Text that is no time is an error, or NaN unless ``strict``.
+    If ``unit`` is given, numbers are returned unchanged, in that unit: it prevents that large ones
+    are read as Unix milliseconds and the like. Dates are seconds in any case. Text that is no time
+    is an error, or NaN unless ``strict``.
     """
     if date_order not in (None, "dmy", "mdy"):
         raise ValueError(f"date_order must be 'dmy' or 'mdy', got {value(date_order)}")

@@ -101,6 +101,8 @@ def diagnose(log: EstimatorLog, *, alpha: float = ALPHA) -> Diagnosis:
 
     Raises
     ------
+    TypeError
+        If ``log`` is no log.
     ValueError
         If ``alpha`` is outside its range.
 
@@ -127,6 +129,11 @@ def diagnose(log: EstimatorLog, *, alpha: float = ALPHA) -> Diagnosis:
     >>> d["track"].verdict, d["track"].nis.onset_index
     ('late_divergence', 39)
     """
+    if not isinstance(log, EstimatorLog):
+        raise TypeError(
+            f"log must be an EstimatorLog, got {type(log).__name__}: call "
+            "EstimatorLog.from_columns(...), EstimatorLog.from_frame(...) or read_log(path)"
+        )
     if not 0 < number("alpha", alpha) <= MAX_ALPHA:
         raise ValueError(f"alpha must be above 0 and at most {MAX_ALPHA}, got {alpha!r}")
     tracks = [log.columns.take(log.rows(t)) for t in range(len(log.tracks))]

@@ -1,7 +1,7 @@
 """A log of an estimator: one row per update, many tracks, whatever columns there are."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -13,7 +13,7 @@ from trackmetrics.logs.columns import Columns, has_value
 from trackmetrics.logs.header import HeaderArguments, LogHeader, State, to_record
 from trackmetrics.logs.normalize import LogParts, normalize
 from trackmetrics.logs.schema import NUMERIC_COLUMNS
-from trackmetrics.logs.selection import Renaming, check_selected, select_columns
+from trackmetrics.logs.selection import Renaming, check_selected, notes_on_unused, select_columns
 from trackmetrics.logs.serialization import to_table
 
 
@@ -180,7 +180,9 @@ class EstimatorLog:
         """
         table, wanted = frames.read(frame), LogHeader(**header)
         chosen = check_selected(select_columns(table, columns or {}), table, wanted.time)
-        return cls.from_parts(normalize(chosen, wanted))
+        parts = normalize(chosen, wanted)
+        notes = notes_on_unused(table, chosen, columns or {})
+        return cls.from_parts(replace(parts, notes=(*parts.notes, *notes)))
 
     @classmethod
     def from_filterpy(

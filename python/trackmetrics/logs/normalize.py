@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics._tables import times
+from trackmetrics._tables import headings, times
 from trackmetrics._tables.columns import Ragged
 from trackmetrics._tables.errors import shown, value
 from trackmetrics.logs import coercion, schema
@@ -59,7 +59,8 @@ def normalize(given: Mapping[str, Any], header: LogHeader) -> LogParts:
         angles,
         computed,
         grouped.repeated,
-        header.time_unit or "s",
+        # Dates become seconds, whatever unit numbers would have.
+        "s" if found.epoch else header.time_unit or "s",
         found.epoch or header.epoch,
         tuple(note for note in (found.note, *notes) if note),
     )
@@ -68,8 +69,9 @@ def normalize(given: Mapping[str, Any], header: LogHeader) -> LogParts:
 def _refuse_unknown(given: Mapping[str, Any]) -> None:
     unknown = [name for name in given if name not in schema.COLUMN_NAMES]
     if unknown:
-        known = ", ".join(schema.COLUMN_NAMES)
-        raise ValueError(f"unknown column {value(unknown[0])}; a log has {known}")
+        meant = headings.closest(unknown[0], schema.COLUMN_NAMES)
+        hint = f"did you mean {meant}?" if meant else f"a log has {', '.join(schema.COLUMN_NAMES)}"
+        raise ValueError(f"unknown column {value(unknown[0])}; {hint}")
     if not any(name in given for name in schema.NUMERIC_COLUMNS):
         raise ValueError("the log has no column to diagnose: expected nis and nis_dof, or more")
 

@@ -10,7 +10,7 @@ from trackmetrics.logs import formats
 from trackmetrics.logs.header import HeaderArguments, LogHeader
 from trackmetrics.logs.log import EstimatorLog
 from trackmetrics.logs.normalize import normalize
-from trackmetrics.logs.selection import Renaming, check_selected, select_columns
+from trackmetrics.logs.selection import Renaming, check_selected, notes_on_unused, select_columns
 
 MAX_SMALL_BYTES = 1_000_000
 """Text of more bytes than this is read slowly without Polars."""
@@ -75,6 +75,7 @@ def read_log(
         parts = normalize(chosen, wanted)
     except ValueError as error:
         raise type(error)(f"{content.name}: {error}") from None
+    parts = replace(parts, notes=(*parts.notes, *notes_on_unused(table, chosen, columns or {})))
     if form.kind == "text" and polars() is None and content.size > MAX_SMALL_BYTES:
         parts = replace(parts, notes=(*parts.notes, SLOW))
     return EstimatorLog.from_parts(parts)

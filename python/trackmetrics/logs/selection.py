@@ -54,6 +54,22 @@ def check_selected(chosen: dict[str, Any], table: Table, time: str | None) -> di
     return chosen
 
 
+def notes_on_unused(table: Table, chosen: Mapping[str, Any], renaming: Renaming) -> tuple[str, ...]:
+    """A note on each unused column whose name is nearly that of a column that the log lacks."""
+    used = {
+        n for names in renaming.values() for n in ([names] if isinstance(names, str) else names)
+    }
+    absent = [name for name in COLUMN_NAMES if name not in chosen]
+    found: dict[str, str] = {}
+    for name in headings.unmatched(list(table), COLUMN_NAMES):
+        meant = headings.closest(name, absent) if name not in used else None
+        if meant is not None:
+            found.setdefault(meant, name)
+    return tuple(
+        f"column {value(name)} is not used; did you mean {meant}?" for meant, name in found.items()
+    )
+
+
 def _parts(table: Table, name: str) -> list[str]:
     """``x[0]``, ``x[1]``, ... in the order of their indices."""
     found = [re.fullmatch(rf"{name}\[(\d+)\]", key) for key in table]
