@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
+from trackmetrics._tables.errors import value as shortened
 
 Floats = NDArray[np.float64]
 
@@ -197,7 +198,7 @@ def periods(angles: Mapping[int, float] | None, covariance: Any) -> Floats | Non
 def nan_where_invalid(on_invalid: str) -> bool:
     """What ``on_invalid`` asks for."""
     if on_invalid not in ("raise", "nan"):
-        raise ValueError(f"on_invalid must be 'raise' or 'nan', got {on_invalid!r}")
+        raise ValueError(f"on_invalid must be 'raise' or 'nan', got {shortened(on_invalid)}")
     return on_invalid == "nan"
 
 
@@ -240,14 +241,16 @@ def count(argument: str, value: Any, least: int) -> None:
     except (TypeError, ValueError, OverflowError):
         fits = False
     if not fits:
-        raise ValueError(f"{argument} must be a whole number, at least {least}, got {value!r}")
+        raise ValueError(
+            f"{argument} must be a whole number, at least {least}, got {shortened(value)}"
+        )
 
 
 def _form(value: Any) -> str:
     """What came, in a few words."""
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape} and dtype {value.dtype}"
-    return repr(value) if isinstance(value, str | None | complex) else type(value).__name__
+    return shortened(value) if isinstance(value, str | None | complex) else type(value).__name__
 
 
 def fraction(argument: str, value: Any) -> None:
@@ -267,7 +270,7 @@ def indices(argument: str, values: Any, length: int) -> list[int]:
     if array.dtype.kind == "b" and array.shape == (length,):
         return [int(i) for i in np.flatnonzero(array)]
     if (array.size and array.dtype.kind not in "iu") or array.ndim != 1:
-        raise TypeError(f"{argument} must be a list of whole numbers, got {values!r}")
+        raise TypeError(f"{argument} must be a list of whole numbers, got {shortened(values)}")
     return [int(i) for i in array]
 
 

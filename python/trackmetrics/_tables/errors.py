@@ -10,11 +10,11 @@ MAX_VALUE = 60
 def shown(names: Iterable[str]) -> str:
     """Names in a row, the first dozen of them."""
     listed = list(names)
-    text = ", ".join(listed[:MAX_NAMES])[:160]
+    text = ", ".join(listed[:MAX_NAMES])[:120]
     return text + (f", ... ({len(listed)} in all)" if len(listed) > MAX_NAMES else "")
 
 
-def value(given: Any) -> str:
+def value(given: Any, longest: int = MAX_VALUE) -> str:
     """A value as Python writes it, shortened."""
     text = repr(given)
-    return text if len(text) <= MAX_VALUE else text[: MAX_VALUE - 3] + "..."
+    return text if len(text) <= longest else text[: longest - 3] + "..."

@@ -4,7 +4,7 @@ import difflib
 import re
 from collections.abc import Iterable, Sequence
 
-from trackmetrics._tables.errors import shown
+from trackmetrics._tables.errors import shown, value
 
 
 def clean(names: Sequence[str], file: str) -> list[str]:
@@ -66,5 +66,5 @@ def nearest(wanted: str, names: Sequence[str]) -> str:
     by_plain = {re.sub(r"[\[({].*|[^a-z0-9]", "", name.lower()): name for name in names}
     plain = re.sub("[^a-z0-9]", "", wanted.lower())
     close = difflib.get_close_matches(plain, by_plain, 1, 0.6)
-    hint = f"; did you mean {by_plain[close[0]]!r}?" if close else ""
+    hint = f"; did you mean {value(by_plain[close[0]])}?" if close else ""
     return f"the headings are {shown(names)}{hint}"

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from trackmetrics._angles import wrap
 from trackmetrics._covariances import quadratic_forms, valid_components
+from trackmetrics._tables.errors import value
 from trackmetrics.logs.columns import Columns, Floats, Integers, has_value
 from trackmetrics.logs.header import State
 from trackmetrics.logs.validation import check_covariances
@@ -75,7 +76,9 @@ def component_periods(
         for kind, angles in measurement_angles.items():
             for component, period in angles.items():
                 if not 0 <= component < width:
-                    raise ValueError(f"measurement_angles[{kind!r}]: no component {component!r}")
+                    raise ValueError(
+                        f"measurement_angles[{value(kind)}]: no component {value(component)}"
+                    )
                 periods[columns.measurement_type == kind, component] = period
     return periods
 

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypedDict
 
+from trackmetrics._tables.errors import value
+
 LOG_SCHEMA = "trackmetrics-log/1"
 """Name of the form of a log in a file."""
 
@@ -101,7 +103,7 @@ def is_record(record: Mapping[str, Any]) -> bool:
 def from_record(record: Mapping[str, Any], file: str) -> LogHeader:
     """The header in a file; covariances in such a file are upper triangles."""
     if record["schema"] != LOG_SCHEMA:
-        raise ValueError(f"{file}: schema {record['schema']!r}, expected {LOG_SCHEMA!r}")
+        raise ValueError(f"{file}: schema {value(record['schema'])}, expected {LOG_SCHEMA!r}")
     states = [State(s["name"], s.get("unit", ""), s.get("period")) for s in record["states"]]
     angles = {
         kind: {int(i): float(period) for i, period in of_kind.items()}

@@ -23,14 +23,16 @@ def check_header(header: LogHeader) -> None:
     _check_states(header.states)
     _check_mapping("angles", header.angles, "states to periods")
     for key, period in (header.angles or {}).items():
-        _check_period(f"angles[{key!r}]", period)
+        _check_period(f"angles[{value(key)}]", period)
     _check_mapping("measurement_angles", header.measurement_angles, "types to angles")
     for kind, angles in (header.measurement_angles or {}).items():
-        _check_mapping(f"measurement_angles[{kind!r}]", angles, "components to periods")
+        _check_mapping(f"measurement_angles[{value(kind)}]", angles, "components to periods")
         for component, period in angles.items():
             if not _is_whole(component):
-                raise ValueError(f"measurement_angles[{kind!r}]: no component {value(component)}")
-            _check_period(f"measurement_angles[{kind!r}][{component!r}]", period)
+                raise ValueError(
+                    f"measurement_angles[{value(kind)}]: no component {value(component)}"
+                )
+            _check_period(f"measurement_angles[{value(kind)}][{value(component)}]", period)
     _check_mapping("covariance_forms", header.covariance_forms, "columns to forms")
     for name, form in (header.covariance_forms or {}).items():
         if name not in COVARIANCE_COLUMNS:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from trackmetrics import _deprecated
+from trackmetrics._tables.errors import value
 from trackmetrics.vessel.settings import AIS, POSITION, TRUNCATED_AIS, Noise, Settings
 from trackmetrics.vessel.simulation import Ship, Simulation, Turn, simulate
 
@@ -91,7 +92,7 @@ def three_ships(seed: int = 0, noise: str = "consistent") -> Simulation:
         _deprecated.warn(f"three_ships(noise={noise!r})", f"three_ships(noise={renamed!r})")
         noise = renamed
     if noise not in ("consistent", "published"):
-        raise ValueError(f"noise must be 'consistent' or 'published', got {noise!r}")
+        raise ValueError(f"noise must be 'consistent' or 'published', got {value(noise)}")
     share = 1.0 if noise == "consistent" else 0.25
     settings = CONSISTENT if noise == "consistent" else PUBLISHED
     falcon = replace(settings, trust_missing_values=True, num_tentative=1)

@@ -300,7 +300,7 @@ class _Screening:
         listed = ", ".join(f"{count} {reason}" for reason, count in counts.most_common())
         first = self.rejected[min(self.rejected)]
         row = ", ".join(
-            f"{name}={value(self.table.given(name, first.row))}"
+            f"{name}={value(self.table.given(name, first.row), 24)}"
             for name in ("time", "vessel", "lat", "lon")
         )
         return f"{text}: {listed}. Row {first.row} ({row}): {first.detail}"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from trackmetrics import _backend, _deprecated, errors
+from trackmetrics._tables.errors import value
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.geodesy import KNOT
 from trackmetrics.vessel.reports import Reports
@@ -180,7 +181,7 @@ def _check_fleet(ships: int, duration: float, type_shares: Sequence[float]) -> N
         raise errors.parameter("duration", f"at least {STEP:g} and finite", duration)
     if abs(sum(type_shares) - 1) > 1e-9 or min(type_shares) < 0:
         raise ValueError(
-            f"type_shares must be at least 0 and add up to 1, got {tuple(type_shares)}"
+            f"type_shares must be at least 0 and add up to 1, got {value(tuple(type_shares))}"
         )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from trackmetrics import _backend, _check, _deprecated, errors
 from trackmetrics._distributions import DECIBELS, chi2_log_mean, chi2_quantile
+from trackmetrics._tables.errors import value
 from trackmetrics.monte_carlo.accumulators.base import Accumulator, Counts
 from trackmetrics.monte_carlo.accumulators.histogram import BINS
 from trackmetrics.monte_carlo.consistency_summary import ConsistencySummary, ErrorStatistics
@@ -74,7 +75,9 @@ class ConsistencyAccumulator(Accumulator):
         probabilities: Sequence[float] = PROBABILITIES,
     ) -> None:
         if isinstance(probabilities, str) or not isinstance(probabilities, Iterable):
-            raise TypeError(f"probabilities must be a sequence of numbers, got {probabilities!r}")
+            raise TypeError(
+                f"probabilities must be a sequence of numbers, got {value(probabilities)}"
+            )
         for probability in probabilities:
             if not 0 < _check.number("probabilities", probability) < 1:
                 raise errors.parameter("probabilities", "between 0 and 1", probability)
@@ -112,7 +115,7 @@ class ConsistencyAccumulator(Accumulator):
     def add_runs(self, batch: Mapping[str, Any], first_run: int) -> dict[str, Floats]:
         """As ``update``; returns for each run the steps counted, the sum of q, and of e^2."""
         if not isinstance(batch, Mapping):
-            raise TypeError(f"batch must be a mapping of names to arrays, got {batch!r}")
+            raise TypeError(f"batch must be a mapping of names to arrays, got {value(batch)}")
         channels = {
             name: _arrays(batch, names)
             for name, names in (("states", _STATES), ("innovations", _INNOVATIONS))
@@ -190,11 +193,11 @@ class ConsistencyAccumulator(Accumulator):
 def _periods(argument: str, angles: Mapping[int, float] | None) -> list[list[float]]:
     """Pairs of component and period, sorted, as JSON keeps them."""
     if not isinstance(angles or {}, Mapping):
-        raise TypeError(f"{argument} must map components to periods, got {angles!r}")
+        raise TypeError(f"{argument} must map components to periods, got {value(angles)}")
     pairs = []
     for index, given in (angles or {}).items():
         if _check.whole(argument, index) < 0:
-            raise ValueError(f"{argument} must name components from 0, got {index!r}")
+            raise ValueError(f"{argument} must name components from 0, got {value(index)}")
         period = _check.number(f"{argument}[{index}]", given)
         if not (period > 0 and np.isfinite(period)):
             raise errors.parameter(f"{argument}[{index}]", "positive and finite", period)
