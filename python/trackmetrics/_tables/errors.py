@@ -10,7 +10,7 @@ MAX_VALUE = 60
 def shown(names: Iterable[str]) -> str:
     """Names in a row, the first dozen of them."""
     listed = list(names)
-    text = ", ".join(listed[:MAX_NAMES])[:120]
+    text = ", ".join(listed[:MAX_NAMES])[:90]
     return text + (f", ... ({len(listed)} in all)" if len(listed) > MAX_NAMES else "")
 
 

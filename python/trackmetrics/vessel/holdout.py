@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from trackmetrics import _backend, _deprecated
 from trackmetrics._angles import wrap
 from trackmetrics._progress import with_progress
+from trackmetrics.diagnostics.thresholds import MIN_SCALE_RATIO
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.reports import Reports
 from trackmetrics.vessel.settings import OBSERVED, Floats, Settings
@@ -42,8 +43,6 @@ Integers = NDArray[np.int64]
 
 VERDICT_ALPHA = 0.005
 """p-value from which on a track counts as consistent."""
-MAX_SCALE_RATIO = 1.25
-"""A scale within this factor of 1 counts as consistent, however significant."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class HeldOutResult:
     @property
     def verdict(self) -> str:
         """``"consistent"``, ``"optimistic"`` or ``"pessimistic"``, at 0.5 % and if material."""
-        is_material = not 1 / MAX_SCALE_RATIO <= self.scale <= MAX_SCALE_RATIO
+        is_material = not 1 / MIN_SCALE_RATIO <= self.scale <= MIN_SCALE_RATIO
         if self.p_value >= VERDICT_ALPHA or not is_material:
             return "consistent"
         return "optimistic" if self.scale > 1 else "pessimistic"
