@@ -182,7 +182,7 @@ def test_kitti_labels_of_regions_and_cars(tmp_path):
     made.write(tmp_path / "b.txt", format="kitti")
     again = read_tracks(tmp_path / "b.txt")
     assert_equal(again, made)
-    numbers = np.array((tmp_path / "b.txt").read_text().split()[36:], float)
+    numbers = np.array((tmp_path / "b.txt").read_text().split()[37:], float)
     np.testing.assert_allclose(numbers, np.array(text.split()[37:], float), rtol=1e-14)
 
 

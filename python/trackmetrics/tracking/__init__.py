@@ -1,6 +1,13 @@
 """Scores over the identities of tracks."""
 
 from trackmetrics.tracking.clear_mot import CLEARMOT, clear_mot
+from trackmetrics.tracking.evaluate import (
+    Evaluation,
+    average_classes,
+    combine,
+    evaluate,
+    evaluate_sequences,
+)
 from trackmetrics.tracking.frames import FrameColumns, TrackFrames
 from trackmetrics.tracking.hota import HOTA, hota
 from trackmetrics.tracking.identity_scores import IdentityScores, identity_scores
@@ -18,11 +25,16 @@ __all__ = [
     "HOTA",
     "PROTOCOLS",
     "BoxScores",
+    "Evaluation",
     "FrameColumns",
     "IdentityScores",
     "Protocol",
     "TrackFrames",
+    "average_classes",
     "clear_mot",
+    "combine",
+    "evaluate",
+    "evaluate_sequences",
     "hota",
     "identity_scores",
     "identity_switches",

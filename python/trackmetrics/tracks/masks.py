@@ -1,5 +1,6 @@
 """Masks as run-length codes: the strings of COCO, and pycocotools between them and pixels."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -76,4 +77,6 @@ def dictionaries(codes: NDArray[np.object_], sizes: Sizes) -> list[dict[str, Any
 def pixels(codes: NDArray[np.object_], sizes: Sizes) -> list[NDArray[np.bool_]]:
     """Each mask as an array of height x width, by pycocotools."""
     coder = pycocotools()
-    return [coder.decode(code).astype(bool) for code in dictionaries(codes, sizes)]
+    with warnings.catch_warnings():  # pycocotools 2.0.11 warns of its own arrays on NumPy 2
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return [coder.decode(code).astype(bool) for code in dictionaries(codes, sizes)]

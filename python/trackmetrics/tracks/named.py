@@ -111,9 +111,10 @@ def _times(times: Any, file: str) -> Any:
 def give(columns: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
     """A track table as named columns, each of one axis."""
     out: dict[str, NDArray[Any]] = {"time": columns["time"], "id": _plain(columns["id"])}
-    for name in ("cls", "score"):
-        if columns.get(name) is not None:
-            out[name] = _plain(columns[name])
+    if columns.get("cls") is not None:
+        out["cls"] = _plain(columns["cls"])
+    if columns.get("score") is not None:
+        out["score"] = columns["score"]
     if columns.get("box") is not None:
         out |= dict(zip(LTWH, columns["box"].T, strict=True))
     for name in _VECTORS:
