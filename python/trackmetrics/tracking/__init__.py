@@ -8,6 +8,7 @@ from trackmetrics.tracking.evaluate import (
     evaluate,
     evaluate_sequences,
 )
+from trackmetrics.tracking.explain import Explanation, explain
 from trackmetrics.tracking.frames import FrameColumns, TrackFrames
 from trackmetrics.tracking.hota import HOTA, hota
 from trackmetrics.tracking.identity_scores import IdentityScores, identity_scores
@@ -18,6 +19,7 @@ from trackmetrics.tracking.index_scores import (
     track_purity,
 )
 from trackmetrics.tracking.label_score import BoxScores, paired_labels, score_boxes
+from trackmetrics.tracking.preprocess import preprocess_kitti, preprocess_mot_challenge
 from trackmetrics.tracking.protocols import PROTOCOLS, Protocol
 
 __all__ = [
@@ -26,6 +28,7 @@ __all__ = [
     "PROTOCOLS",
     "BoxScores",
     "Evaluation",
+    "Explanation",
     "FrameColumns",
     "IdentityScores",
     "Protocol",
@@ -35,11 +38,14 @@ __all__ = [
     "combine",
     "evaluate",
     "evaluate_sequences",
+    "explain",
     "hota",
     "identity_scores",
     "identity_switches",
     "mot_metrics",
     "paired_labels",
+    "preprocess_kitti",
+    "preprocess_mot_challenge",
     "score_boxes",
     "track_fragmentation",
     "track_purity",

@@ -213,12 +213,12 @@ def combine(results: Iterable[Evaluation]) -> Evaluation:
     for name, parts in zip(METRICS, (clear, identity, hotas), strict=True):
         if parts and len(parts) != len(found):
             raise ValueError(f"{len(found) - len(parts)} of {len(found)} results have no {name}")
-    sums = [sum(getattr(r, n) for r in identity) for n in ("idtp", "idfn", "idfp")]
+    idtp, idfn, idfp = (sum(getattr(r, n) for r in identity) for n in ("idtp", "idfn", "idfp"))
     return Evaluation(
         found[0].protocol,
         found[0].threshold,
         combine_clear(clear, rules) if clear else None,
-        identity_of_counts(*sums, rules) if identity else None,
+        identity_of_counts(idtp, idfn, idfp, rules) if identity else None,
         combine_hota(hotas) if hotas else None,
     )
 

@@ -19,7 +19,10 @@ def event_log(
     """time, truth, track, event and distance of every event, in the order of time."""
     truth, tracks = frames.truth, frames.tracks
     switch, fragment = switches_and_fragments(frames, matches, rules)
-    pairs = [np.arange(len(distances)), *map(np.flatnonzero, (switch, _transfers(frames, matches)))]
+    pairs = [
+        np.arange(len(distances)),
+        *map(np.flatnonzero, (switch, transferred(frames, matches))),
+    ]
     pairs.append(np.flatnonzero(fragment))
     missed = np.setdiff1d(np.arange(len(truth)), matches.truth_rows)
     false = np.setdiff1d(np.arange(len(tracks)), matches.track_rows)
@@ -42,22 +45,19 @@ def event_log(
     }
 
 
-def _transfers(frames: TrackFrames, matches: Matches) -> NDArray[np.bool_]:
-    return transferred(frames, matches)
-
-
 def _frame(side: FrameColumns, rows: NDArray[Any]) -> NDArray[np.int64]:
     """The frame of each row; that of row -1 means nothing."""
     return np.maximum(np.searchsorted(side.starts, rows, side="right") - 1, 0).astype(np.int64)
 
 
-def _names(side: FrameColumns, rows: NDArray[Any]) -> NDArray[np.object_]:
+def _names(side: FrameColumns, rows: NDArray[Any]) -> NDArray[Any]:
     """The id of each row; None for row -1."""
-    names = np.empty(len(side.names) + 1, dtype=object)
+    names: NDArray[Any] = np.empty(len(side.names) + 1, dtype=object)
     names[:-1] = list(side.names)
     names[-1] = None
     codes = np.append(side.ids, len(side.names))
-    return names[codes[rows]]
+    named: NDArray[Any] = names[codes[rows]]
+    return named
 
 
 def _spans(frames: TrackFrames, side: FrameColumns) -> Columns:

@@ -148,7 +148,8 @@ def combine_hota(results: Sequence[HOTA]) -> HOTA:
         for r in results
     ]
     association = np.sum(shares, axis=0) / np.maximum(1, tp)[:, None]
-    return _result(tp, fn, fp, association, sum(r.loca_alpha * r.tp_alpha for r in results))
+    sums = np.sum([r.loca_alpha * r.tp_alpha for r in results], axis=0)
+    return _result(tp, fn, fp, association, sums)
 
 
 def hota_of(measure: PairMeasure) -> HOTA:
