@@ -1,14 +1,14 @@
 """Scores over the identities of tracks."""
 
 from trackmetrics.tracking.clear_mot import CLEARMOT, clear_mot
-from trackmetrics.tracking.evaluate import (
+from trackmetrics.tracking.evaluation import (
     Evaluation,
     average_classes,
     combine,
     evaluate,
     evaluate_sequences,
 )
-from trackmetrics.tracking.explain import Explanation, explain
+from trackmetrics.tracking.explanation import Explanation, explain
 from trackmetrics.tracking.frames import FrameColumns, TrackFrames
 from trackmetrics.tracking.hota import HOTA, hota
 from trackmetrics.tracking.identity_scores import IdentityScores, identity_scores

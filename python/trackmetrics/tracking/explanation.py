@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from trackmetrics.results import Result
-from trackmetrics.tracking.evaluate import Evaluation
+from trackmetrics.tracking.evaluation import Evaluation
 from trackmetrics.tracking.protocols import PROTOCOLS
 
 _EMPTY = object()
