@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics.results import Result
-from trackmetrics.tracking.frames import TrackFrames
+from trackmetrics.tracking.frames import TrackFrames, as_frames
 from trackmetrics.tracking.protocols import Matches, Protocol, find_protocol, match
 from trackmetrics.tracking.similarity import pair_measure
+from trackmetrics.tracks import TrackTable
 
 Codes = NDArray[np.int64]
 
@@ -75,7 +76,8 @@ class CLEARMOT(Result):
 
 
 def clear_mot(
-    frames: TrackFrames,
+    frames: TrackFrames | TrackTable,
+    tracks: TrackTable | None = None,
     *,
     similarity: str | Sequence[Any] = "iou",
     threshold: float = 0.5,
@@ -91,8 +93,10 @@ def clear_mot(
 
     Parameters
     ----------
-    frames : TrackFrames
-        Truth and tracks of one sequence.
+    frames : TrackFrames or TrackTable
+        Truth and tracks of one sequence, or the truth alone.
+    tracks : TrackTable, optional
+        The tracks, where ``frames`` is the truth.
     similarity : {"iou", "euclidean"} or list of array_like
         Intersection over union of the boxes; Euclidean distance of the positions (of the centres of
         the boxes where there are none); or for each frame a matrix of similarities in [0, 1], truth
@@ -146,8 +150,12 @@ def clear_mot(
     0.16666666666666666
     """
     rules = find_protocol(protocol)
-    measure = pair_measure(frames, similarity, threshold)
-    matches = match(measure, rules)
+    measure = pair_measure(as_frames(frames, tracks), similarity, threshold)
+    return clear_of_matches(measure.frames, match(measure, rules), rules)
+
+
+def clear_of_matches(frames: TrackFrames, matches: Matches, rules: Protocol) -> CLEARMOT:
+    """CLEAR MOT of matched pairs."""
     counts = _counts(frames, matches, rules)
     transfers = _transfers(frames, matches) if rules.transfers else (math.nan,) * 3
     total = float(matches.values.sum())
@@ -165,11 +173,8 @@ def clear_mot(
 
 def _counts(frames: TrackFrames, matches: Matches, rules: Protocol) -> dict[str, int]:
     truth, tp = frames.truth, len(matches.values)
-    order = np.lexsort((matches.truth_rows, truth.ids[matches.truth_rows]))
-    rows, partners = matches.truth_rows[order], frames.tracks.ids[matches.track_rows[order]]
-    same = np.diff(truth.ids[rows]) == 0
-    steps = np.diff(_clock(frames, rules)[rows])
-    matched = np.bincount(truth.ids[rows], minlength=len(truth.names))
+    switch, fragment = switches_and_fragments(frames, matches, rules)
+    matched = np.bincount(truth.ids[matches.truth_rows], minlength=len(truth.names))
     share = matched / np.bincount(truth.ids, minlength=len(truth.names))
     mt = int((share >= 0.8 if rules.edge_is_mostly_tracked else share > 0.8).sum())
     pt = int((share >= 0.2).sum()) - mt
@@ -177,12 +182,56 @@ def _counts(frames: TrackFrames, matches: Matches, rules: Protocol) -> dict[str,
         "tp": tp,
         "fn": len(truth) - tp,
         "fp": len(frames.tracks) - tp,
-        "idsw": int((same & (np.diff(partners) != 0)).sum()),
-        "frag": int((same & (steps != 1)).sum()),
+        "idsw": int(switch.sum()),
+        "frag": int(fragment.sum()),
         "mt": mt,
         "pt": pt,
         "ml": len(truth.names) - mt - pt,
     }
+
+
+def switches_and_fragments(
+    frames: TrackFrames, matches: Matches, rules: Protocol
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which pairs are with another track than the target's last pair; which follow a gap."""
+    targets = frames.truth.ids[matches.truth_rows]
+    order = np.lexsort((matches.truth_rows, targets))
+    same = np.diff(targets[order]) == 0
+    partners = frames.tracks.ids[matches.track_rows[order]]
+    steps = np.diff(_clock(frames, rules)[matches.truth_rows[order]])
+    switch, fragment = np.zeros((2, len(order)), dtype=np.bool_)
+    switch[order[1:]] = same & (np.diff(partners) != 0)
+    fragment[order[1:]] = same & (steps != 1)
+    return switch, fragment
+
+
+def transferred(frames: TrackFrames, matches: Matches) -> NDArray[np.bool_]:
+    """Which newly assigned pairs are with another target than the track's last assigned pair."""
+    targets, tracks = frames.truth.ids[matches.truth_rows], frames.tracks.ids[matches.track_rows]
+    times = np.searchsorted(frames.truth.starts, matches.truth_rows, side="right")
+    assigned = np.flatnonzero(~matches.continued)
+    found = np.zeros(len(targets), dtype=np.bool_)
+    found[assigned] = _changed(tracks[assigned], targets[assigned], times[assigned])
+    return found
+
+
+def combine_clear(results: Sequence[CLEARMOT], rules: Protocol) -> CLEARMOT:
+    """CLEAR MOT of several sequences from the sums of their counts."""
+    counts = {n: sum(getattr(r, n) for r in results) for n in _COUNTS}
+    frames, total = sum(r.frames for r in results), sum(r.motp_sum for r in results)
+    targets = counts["mt"] + counts["pt"] + counts["ml"]
+    more = {n: sum(getattr(r, n) for r in results) for n in ("transfers", "ascends", "migrates")}
+    return CLEARMOT(
+        **_ratios(counts, targets, total, rules),
+        **counts,
+        **more,
+        motp_sum=total,
+        fp_per_frame=counts["fp"] / frames if frames else math.nan,
+        frames=frames,
+    )
+
+
+_COUNTS = ("tp", "fn", "fp", "idsw", "frag", "mt", "pt", "ml")
 
 
 def _clock(frames: TrackFrames, rules: Protocol) -> Codes:

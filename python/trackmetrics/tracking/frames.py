@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from trackmetrics import _check, errors
 from trackmetrics.tracking.labels import labels
-from trackmetrics.tracks import Boxes
+from trackmetrics.tracks import Boxes, TrackTable
 
 Codes = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -119,6 +119,26 @@ class TrackFrames:
         )
 
     @classmethod
+    def from_tables(
+        cls, truth: TrackTable, tracks: TrackTable, *, times: Any = None
+    ) -> "TrackFrames":
+        """Take two track tables.
+
+        Without ``times``, frames are the times of the rows; where both tables count frames (files
+        of MOTChallenge and KITTI do), all numbers from the first to the last.
+        """
+        for argument, table in (("truth", truth), ("tracks", tracks)):
+            if not isinstance(table, TrackTable):
+                kind = type(table).__name__
+                raise TypeError(f"{argument} must be a TrackTable, got {kind}")
+        sides = (truth.time, tracks.time)
+        if times is None and truth.counts_frames and tracks.counts_frames:
+            both = np.concatenate(sides)
+            times = np.arange(both.min(), both.max() + 1) if len(both) else None
+        listed = _all_times(sides, times)
+        return cls(listed, _table_side(truth, listed), _table_side(tracks, listed))
+
+    @classmethod
     def from_columns(
         cls,
         truth_times: Any,
@@ -169,6 +189,27 @@ class TrackFrames:
             _side("track", columns[1], track_ids, track_boxes, track_positions, box_format, listed),
         )
         return cls(listed, *sides)
+
+
+def as_frames(frames: Any, tracks: Any) -> TrackFrames:
+    """The frames given, or those of two track tables."""
+    if isinstance(frames, TrackTable) or tracks is not None:
+        return TrackFrames.from_tables(frames, tracks)
+    if not isinstance(frames, TrackFrames):
+        raise TypeError(f"frames must be TrackFrames, got {type(frames).__name__}")
+    return frames
+
+
+def _table_side(table: TrackTable, times: NDArray[Any]) -> FrameColumns:
+    frames = np.searchsorted(times, table.time) if len(table) else np.empty(0, dtype=np.int64)
+    order = np.argsort(frames, kind="stable")
+    return FrameColumns(
+        table.codes[order],
+        table.names,
+        np.searchsorted(frames[order], np.arange(len(times) + 1)).astype(np.int64),
+        None if table.box is None else table.box[order],
+        None if table.position is None else table.position[order],
+    )
 
 
 def _times(argument: str, values: Any) -> NDArray[Any]:

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from trackmetrics.assignment import linear_sum_assignment
 from trackmetrics.results import Result
-from trackmetrics.tracking.frames import TrackFrames
+from trackmetrics.tracking.frames import TrackFrames, as_frames
 from trackmetrics.tracking.similarity import EPS, PairMeasure, pair_measure
+from trackmetrics.tracks import TrackTable
 
 Codes = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -79,7 +80,11 @@ class HOTA(Result):
 
 
 def hota(
-    frames: TrackFrames, *, similarity: str | Sequence[Any] = "iou", threshold: float = 0.5
+    frames: TrackFrames | TrackTable,
+    tracks: TrackTable | None = None,
+    *,
+    similarity: str | Sequence[Any] = "iou",
+    threshold: float = 0.5,
 ) -> HOTA:
     """HOTA: the geometric mean of detection and association accuracy, over 19 thresholds.
 
@@ -91,7 +96,7 @@ def hota(
 
     Parameters
     ----------
-    frames, similarity
+    frames, tracks, similarity
         As in :func:`clear_mot`.
     threshold : float
         For ``similarity="euclidean"`` the distance at which the similarity is 0.5, in the unit of
@@ -132,7 +137,24 @@ def hota(
     >>> round(scores.hota, 4)
     0.7071
     """
-    measure = pair_measure(frames, similarity, threshold)
+    return hota_of(pair_measure(as_frames(frames, tracks), similarity, threshold))
+
+
+def combine_hota(results: Sequence[HOTA]) -> HOTA:
+    """HOTA of several sequences: counts summed, the rest weighted by the number of pairs."""
+    tp, fn, fp = (sum(getattr(r, f"{n}_alpha") for r in results) for n in ("tp", "fn", "fp"))
+    shares = [
+        np.stack([r.assa_alpha, r.assre_alpha, r.asspr_alpha], axis=1) * r.tp_alpha[:, None]
+        for r in results
+    ]
+    association = np.sum(shares, axis=0) / np.maximum(1, tp)[:, None]
+    sums = np.sum([r.loca_alpha * r.tp_alpha for r in results], axis=0)
+    return _result(tp, fn, fp, association, sums)
+
+
+def hota_of(measure: PairMeasure) -> HOTA:
+    """HOTA of pairs that are compared already."""
+    frames = measure.frames
     pairs, values = _match(measure)
     truth, tracks = frames.truth, frames.tracks
     rows = np.bincount(truth.ids, minlength=len(truth.names))

@@ -8,9 +8,10 @@ import numpy as np
 
 from trackmetrics.assignment import linear_sum_assignment
 from trackmetrics.results import Result
-from trackmetrics.tracking.frames import TrackFrames
+from trackmetrics.tracking.frames import TrackFrames, as_frames
 from trackmetrics.tracking.protocols import Protocol, find_protocol
 from trackmetrics.tracking.similarity import PairMeasure, pair_measure
+from trackmetrics.tracks import TrackTable
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class IdentityScores(Result):
 
 
 def identity_scores(
-    frames: TrackFrames,
+    frames: TrackFrames | TrackTable,
+    tracks: TrackTable | None = None,
     *,
     similarity: str | Sequence[Any] = "iou",
     threshold: float = 0.5,
@@ -47,7 +49,7 @@ def identity_scores(
 
     Parameters
     ----------
-    frames, similarity, threshold
+    frames, tracks, similarity, threshold
         As in :func:`clear_mot`.
     protocol : {"trackeval", "motmetrics"}
         The implementation whose numbers are wanted. They differ in the rounding at the threshold
@@ -84,9 +86,18 @@ def identity_scores(
     0.6666666666666666
     """
     rules = find_protocol(protocol)
-    measure = pair_measure(frames, similarity, threshold)
+    return identity_of(pair_measure(as_frames(frames, tracks), similarity, threshold), rules)
+
+
+def identity_of(measure: PairMeasure, rules: Protocol) -> IdentityScores:
+    """Identity scores of pairs that are compared already."""
     idtp = _true_positives(measure, rules)
-    idfn, idfp = len(frames.truth) - idtp, len(frames.tracks) - idtp
+    frames = measure.frames
+    return identity_of_counts(idtp, len(frames.truth) - idtp, len(frames.tracks) - idtp, rules)
+
+
+def identity_of_counts(idtp: int, idfn: int, idfp: int, rules: Protocol) -> IdentityScores:
+    """Identity scores of the three counts."""
     return IdentityScores(
         idf1=rules.ratio(idtp, idtp + idfp / 2 + idfn / 2),
         idp=rules.ratio(idtp, idtp + idfp),

@@ -1,17 +1,27 @@
-"""MOTChallenge files: a line for each box, ``frame,id,left,top,width,height[,confidence,...]``."""
+"""MOTChallenge files: a line for each box, ``frame,id,left,top,width,height[,confidence,...]``.
 
-import io
+Truth of MOT16 and later goes on with a class and a visibility (9 columns), truth of MOT15 and
+results with a position x, y, z (10 columns; -1 in all of them where there is none).
+"""
+
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics._tables import opening
-from trackmetrics._tables.polars_columns import polars
+from trackmetrics._tables.opening import Content
+from trackmetrics.tracks import cells
+from trackmetrics.tracks.cells import Cells
+from trackmetrics.tracks.written import column_or, refuse_others, whole
 
 _COLUMNS = ("frame", "id", "left", "top", "width", "height", "confidence")
 _NEEDED = 6
+_WITH_CLASS, _WITH_POSITION = 9, 10
 
 
 @dataclass(frozen=True)
@@ -66,7 +76,9 @@ class Boxes:
 
 
 def read_mot_challenge(path: str | os.PathLike[str], *, progress: bool = False) -> Boxes:
-    """Read a MOTChallenge file of truth or results.
+    """Read the first seven columns of a MOTChallenge file of truth or results.
+
+    :func:`read_tracks` reads all of its columns.
 
     Parameters
     ----------
@@ -108,90 +120,90 @@ def read_mot_challenge(path: str | os.PathLike[str], *, progress: bool = False) 
     >>> boxes.centres[0]
     array([12., 24.])
     """
-    name = os.fspath(path)
-    content = opening.read(path, may_be_empty=True)
-    if content.kind != "text":
-        raise ValueError(f"{name} is a {content.kind} file, expected text")
-    table = _read_whole(content.data)
-    if table is None:
-        table = _read_by_line(name, content.data.decode())
-    return Boxes(
-        table[:, 0].astype(np.int64), table[:, 1].astype(np.int64), table[:, 2:6], table[:, 6]
-    )
+    found = Cells(opening.read(path, may_be_empty=True), ",", os.fspath(path))
+    found.need(_COLUMNS[:_NEEDED])
+    frames, ids = (found.whole(i, _COLUMNS[i]) for i in (0, 1)) if len(found) else _nothing()
+    boxes = _boxes(found)
+    confidence = np.full(len(found), np.nan)
+    if found.width > _NEEDED:
+        confidence = found.numbers(_NEEDED, _COLUMNS[_NEEDED])
+    _refuse_duplicates(found, frames, ids)
+    return Boxes(frames, ids, boxes, confidence)
 
 
-def _read_whole(data: bytes) -> NDArray[np.float64] | None:
-    """The first seven columns by Polars; None where it is absent or something is wrong."""
-    pl = polars()
-    if pl is None or not data.strip():
-        return None
-    try:
-        frame = pl.read_csv(
-            io.BytesIO(data),
-            has_header=False,
-            infer_schema_length=0,
-            quote_char=None,
-            columns=list(range(min(len(_COLUMNS), data.partition(b"\n")[0].count(b",") + 1))),
+def _nothing() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+
+
+def _boxes(found: Cells) -> NDArray[np.float64]:
+    if not len(found):
+        return np.empty((0, 4))
+    return np.stack([found.numbers(i, _COLUMNS[i]) for i in range(2, 6)], axis=1)
+
+
+def _refuse_duplicates(found: Cells, frames: NDArray[np.int64], ids: NDArray[np.int64]) -> None:
+    order = np.lexsort((ids, frames))
+    same = (np.diff(frames[order]) == 0) & (np.diff(ids[order]) == 0)
+    if same.any():
+        second = int(order[1:][same].min())
+        first = int(np.flatnonzero((frames == frames[second]) & (ids == ids[second]))[0])
+        raise ValueError(
+            f"{found.where(second)}: frame {frames[second]} has id {ids[second]} twice, "
+            f"first on line {found.lines[first]}"
         )
-        cells = frame.select(pl.all().str.strip_chars().cast(pl.Float64))
-        table: NDArray[np.float64] = cells.to_numpy()
-    except pl.exceptions.PolarsError:
-        return None
-    if not _NEEDED <= table.shape[1] <= len(_COLUMNS):
-        return None
-    if table.shape[1] == _NEEDED:
-        table = np.column_stack([table, np.full(len(table), np.nan)])
-    elif not np.isfinite(table).all():
-        return None
-    whole = table[:, :2]
-    if not np.isfinite(table[:, :_NEEDED]).all() or (np.abs(whole) > 2**53).any():
-        return None
-    if (whole != np.trunc(whole)).any() or _has_duplicates(whole.astype(np.int64)):
-        return None
-    return table
 
 
-def _has_duplicates(keys: NDArray[np.int64]) -> bool:
-    order = np.lexsort(keys.T)
-    return bool((np.diff(keys[order], axis=0) == 0).all(axis=1).any())
+def read(content: Content) -> tuple[dict[str, Any], NDArray[np.int64]]:
+    """All columns of a file as a track table takes them, and the line of each row."""
+    found = Cells(content, ",")
+    found.need(_COLUMNS[:_NEEDED], most=_WITH_POSITION, same=True)
+    if not len(found):
+        frames, ids = _nothing()
+        return {"time": frames, "id": ids, "box": np.empty((0, 4))}, found.lines
+    columns: dict[str, Any] = {
+        "time": found.whole(0, "frame"),
+        "id": found.whole(1, "id"),
+        "box": _boxes(found),
+    }
+    if found.width > _NEEDED:
+        columns["score"] = found.numbers(6, "confidence")
+    if found.width in (8, _WITH_CLASS):
+        columns["cls"] = found.whole(7, "class")
+    if found.width == _WITH_CLASS:
+        columns["other"] = {"visibility": found.numbers(8, "visibility")}
+    if found.width == _WITH_POSITION:
+        position = np.stack([found.numbers(i, "xyz"[i - 7]) for i in (7, 8, 9)], axis=1)
+        if (position != -1).any():
+            columns["position"] = position
+    return columns, found.lines
 
 
-def _read_by_line(name: str, text: str) -> NDArray[np.float64]:
-    """The same line by line, with a message that names the first line that is wrong."""
-    rows: list[list[float]] = []
-    lines: dict[tuple[float, float], int] = {}
-    for number, line in enumerate(text.splitlines(), start=1):
-        if not line.strip():
-            continue
-        row = _row(f"{name}:{number}", line)
-        first = lines.setdefault((row[0], row[1]), number)
-        if first != number:
-            raise ValueError(
-                f"{name}:{number}: frame {row[0]:.0f} has id {row[1]:.0f} twice, "
-                f"first on line {first}"
-            )
-        rows.append(row)
-    return np.array(rows).reshape(len(rows), len(_COLUMNS))
+def write(path: Path, columns: Mapping[str, Any]) -> None:
+    """Write the columns of a track table as MOTChallenge text."""
+    held = ("time", "id", "box", "score", "cls", "position", "visibility")
+    refuse_others("MOTChallenge", columns, held)
+    if columns.get("cls") is not None and columns.get("position") is not None:
+        raise ValueError(
+            "a MOTChallenge file holds cls or position, not both: leave one out with "
+            "table.without('cls')"
+        )
+    n = len(columns["time"])
+    if columns.get("box") is None:
+        raise ValueError("a MOTChallenge file holds boxes, and the table has none")
+    parts = [whole("time", columns["time"]), whole("id", columns["id"]), *columns["box"].T]
+    score, cls, position = (columns.get(name) for name in ("score", "cls", "position"))
+    visibility = columns["other"].get("visibility")
+    if cls is not None:
+        parts += [column_or(score, n, 1.0), whole("cls", cls), column_or(visibility, n, -1.0)]
+    elif score is not None or position is not None:
+        parts.append(column_or(score, n, 1.0))
+        parts += list(np.full((3, n), -1.0) if position is None else _three(position).T)
+    cells.write(path, parts, ",")
 
 
-def _row(where: str, line: str) -> list[float]:
-    """The first seven numbers of a line; NaN for a confidence that is not there."""
-    words = line.split(",")[: len(_COLUMNS)]
-    if len(words) < _NEEDED:
-        needed = ",".join(_COLUMNS[:_NEEDED])
-        raise ValueError(f"{where}: expected {needed} and more, got {len(words)} columns")
-    row = [_number(where, column, word) for column, word in zip(_COLUMNS, words, strict=False)]
-    for column, value in zip(_COLUMNS[:2], row, strict=False):
-        if value != int(value) or abs(value) > 2**53:
-            raise ValueError(f"{where}: {column} must be a whole number, got {value!r}")
-    return row if len(row) == len(_COLUMNS) else [*row, float("nan")]
-
-
-def _number(where: str, column: str, word: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        raise ValueError(f"{where}: {column} must be a number, got {word.strip()!r}") from None
-    if not np.isfinite(value):
-        raise ValueError(f"{where}: {column} must be finite, got {value!r}")
-    return value
+def _three(position: NDArray[np.float64]) -> NDArray[np.float64]:
+    if position.shape[1] != 3:
+        raise ValueError(
+            f"position has {position.shape[1]} coordinates, a MOTChallenge file holds 3"
+        )
+    return position
