@@ -1,4 +1,4 @@
-"""Our py-motmetrics against what py-motmetrics computes: recordings, and itself on random scenes."""
+"""Our py-motmetrics against the original: its numbers of recordings, itself on random scenes."""
 
 import json
 import math

@@ -17,7 +17,14 @@ from trackmetrics.compat.motmetrics import distances, io, lap, math_util, metric
 from trackmetrics.compat.motmetrics.mot import MOTAccumulator
 
 __all__ = [
-    *("MOTAccumulator", "distances", "io", "lap", "math_util", "metrics", "preprocess", "utils"),
+    "MOTAccumulator",
+    "distances",
+    "io",
+    "lap",
+    "math_util",
+    "metrics",
+    "preprocess",
+    "utils",
 ]
 
 __version__ = "1.4.0"

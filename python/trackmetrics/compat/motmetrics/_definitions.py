@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from trackmetrics.compat.motmetrics import _events
-from trackmetrics.compat.motmetrics._events import pandas
 from trackmetrics.compat.motmetrics._frame_map import DataFrameMap
 from trackmetrics.compat.motmetrics._identity import IdentityAssignment, IdentityCounts
+from trackmetrics.compat.motmetrics._pandas import pandas
 from trackmetrics.compat.motmetrics.math_util import quiet_divide
 
 

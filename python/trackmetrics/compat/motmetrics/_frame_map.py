@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics.compat.motmetrics import _events
+from trackmetrics.compat.motmetrics._pandas import pandas
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +31,7 @@ class Columns:
             frame["OId"].to_numpy(),
             frame["HId"].to_numpy(),
             frame["D"].to_numpy(dtype=np.float64, na_value=np.nan),
-            _events.pandas().factorize(frames)[0].astype(np.int64),
+            pandas().factorize(frames)[0].astype(np.int64),
         )
 
     def where(self, mask: NDArray[np.bool_]) -> "Columns":
@@ -63,8 +64,8 @@ class DataFrameMap:
         """All events in arrays."""
         return Columns.of(self.full)
 
-    def _mask(self, part: str) -> NDArray[np.bool_]:
-        types = self.columns.types
+    def _mask(self, part: str) -> Any:
+        types: Any = self.columns.types
         if part == "raw":
             return types == _events.RAW
         if part == "extra":

@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import connected_components
 
 from trackmetrics.assignment import linear_sum_assignment
 from trackmetrics.compat.motmetrics import lap
-from trackmetrics.compat.motmetrics._events import pandas
 from trackmetrics.compat.motmetrics._frame_map import DataFrameMap
+from trackmetrics.compat.motmetrics._pandas import pandas
 
 Codes = NDArray[np.int64]
 

@@ -17,7 +17,8 @@ def merge_frames(
     names = {"OId": count(), "HId": count()}
     renamed = {"OId": new_objects, "HId": new_hypotheses}
     offset = 0
-    parts, mappings = [], []
+    parts: list[Any] = []
+    mappings: list[dict[str, Any]] = []
     for frame in frames:
         mapping: dict[str, Any] = {}
         part = frame.copy()

@@ -56,7 +56,13 @@ def load_motchallenge(fname: Any, **kwargs: Any) -> Any:
     if sep == _SEPARATORS:
         sep, options = _one_separator(source)
     frame = pandas().read_csv(
-        source, sep=sep, index_col=[0, 1], skipinitialspace=True, header=None, names=names, **options
+        source,
+        sep=sep,
+        index_col=[0, 1],
+        skipinitialspace=True,
+        header=None,
+        names=names,
+        **options,
     )
     frame[["X", "Y"]] -= 1
     del frame["unused"]
@@ -98,9 +104,9 @@ def load_vatictxt(fname: Any, **kwargs: Any) -> Any:
         lines = [line.rstrip() for line in file]
     attributes = sorted({field for line in lines for field in line.split(sep)[10:]})
     rows = [line.split() for line in lines]
-    ids, low_x, low_y, high_x, high_y = (
-        np.array([row[k] for row in rows], dtype=np.int64 if k == 0 else np.float32)
-        for k in range(5)
+    ids = np.array([row[0] for row in rows], dtype=np.int64)
+    low_x, low_y, high_x, high_y = (
+        np.array([row[k] for row in rows], dtype=np.float32) for k in range(1, 5)
     )
     columns: dict[str, Any] = {
         "FrameId": np.array([row[5] for row in rows], dtype=np.int64),

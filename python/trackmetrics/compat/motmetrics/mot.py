@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from trackmetrics.compat.motmetrics import _events, lap
 from trackmetrics.compat.motmetrics._merging import merge_frames, renamed_counts
+from trackmetrics.compat.motmetrics._pandas import pandas
 
 Row = tuple[int, int, int, float]
 """Type, object's index, hypothesis' index (-1 for none) and distance of one event."""
@@ -189,11 +190,11 @@ class MOTAccumulator:
         raw: tuple[NDArray[Any], ...],
         rows: list[Row],
     ) -> None:
-        kinds, i, j, d = zip(*rows, strict=True) if rows else ((), (), (), ())
-        i = np.concatenate([raw[0], np.array(i, dtype=np.int64)])
-        j = np.concatenate([raw[1], np.array(j, dtype=np.int64)])
-        kinds = np.concatenate([np.zeros(len(raw[0]), np.int8), np.array(kinds, np.int8)])
-        d = np.concatenate([raw[2], np.array(d, dtype=np.float64)])
+        new = np.array(rows, dtype=np.float64).reshape(-1, 4).T
+        i = np.concatenate([raw[0], new[1].astype(np.int64)])
+        j = np.concatenate([raw[1], new[2].astype(np.int64)])
+        kinds = np.concatenate([np.zeros(len(raw[0]), np.int8), new[0].astype(np.int8)])
+        d = np.concatenate([raw[2], new[3]])
         self._parts.append((kinds, _named(objects, i), _named(hypotheses, j), d))
         self._frame_ids.append(frameid)
         self._cached = None
@@ -208,12 +209,12 @@ class MOTAccumulator:
     def _build(self) -> Any:
         if not self._parts:
             return _events.empty_events_frame()
-        columns = [np.concatenate(parts) for parts in zip(*self._parts, strict=True)]
+        kinds, objects, hypotheses, d = map(np.concatenate, zip(*self._parts, strict=True))
         counts = np.array([len(part[0]) for part in self._parts])
         starts = np.cumsum(counts) - counts
         event_ids = np.arange(counts.sum()) - np.repeat(starts, counts)
-        frame_ids = _events.pandas().Index(self._frame_ids).repeat(counts)
-        return _events.events_frame(frame_ids, event_ids, *columns)
+        frame_ids = pandas().Index(self._frame_ids).repeat(counts)
+        return _events.events_frame(frame_ids, event_ids, kinds, objects, hypotheses, d)
 
     @property
     def mot_events(self) -> Any:
@@ -233,9 +234,11 @@ class MOTAccumulator:
         if not events:
             return _events.empty_events_frame()
         codes = np.array([_events.TYPES.index(kind) for kind in events["Type"]], dtype=np.int8)
-        ids = (_events.id_column(np.asarray(events[key])) for key in ("OId", "HId"))
+        objects, hypotheses = (_events.id_column(np.asarray(events[key])) for key in ("OId", "HId"))
         distances = np.asarray(events["D"], dtype=np.float64)
-        return _events.events_frame(indices["FrameId"], indices["Event"], codes, *ids, distances)
+        return _events.events_frame(
+            indices["FrameId"], indices["Event"], codes, objects, hypotheses, distances
+        )
 
     @staticmethod
     def merge_analysis(anas: Iterable[Any], infomap: Iterable[Any]) -> Any:

@@ -1,6 +1,7 @@
 """Accumulators filled from two frames of boxes or positions."""
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -120,4 +121,4 @@ def _by_frame(frame: Any, fields: Sequence[str], frames: NDArray[Any]) -> list[t
     starts = np.searchsorted(codes[order], np.arange(len(frames) + 1))
     ids = frame.index.get_level_values(1).to_numpy()[order]
     values = frame[list(fields)].to_numpy()[order]
-    return [(ids[a:b], values[a:b]) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    return [(ids[a:b], values[a:b]) for a, b in pairwise(starts)]
