@@ -13,7 +13,7 @@ PIP_INSTALL := -m pip install --quiet --disable-pip-version-check
 MINIMUM := $(addprefix tests/test_, backend bottleneck_assignment consistency_test \
 	labels linear_sum_assignment mot_metrics nees ospa processes rmse reference)
 
-.PHONY: demo test test-rust test-python test-minimum lint format bench wheel develop clean
+.PHONY: demo test-peers test test-rust test-python test-minimum lint format bench wheel develop clean
 
 demo: $(VENV)/wheel  ## run the main job
 	$(VENV)/bin/trackmetrics demo
@@ -26,6 +26,9 @@ test-rust:
 test-python: $(VENV)/installed
 	TRACKMETRICS_BACKEND=native $(PY) -m pytest --pyargs trackmetrics $(TESTS)
 	TRACKMETRICS_BACKEND=numpy $(PY) -m pytest --pyargs trackmetrics $(TESTS)
+
+test-peers: $(VENV)/installed  ## the tests of other libraries, on our functions
+	$(PY) tools/peer_tests.py
 
 test-minimum: $(VENV)/wheel
 	test -d $(VENV)-minimum || $(PYTHON) -m venv $(VENV)-minimum
