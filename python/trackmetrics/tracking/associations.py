@@ -191,7 +191,7 @@ def _codes(frames: TrackFrames, intervals: Iterable[Interval]) -> tuple[Codes, C
 
 
 def _limits(frames: TrackFrames, i: int, interval: Interval) -> list[float]:
-    both = interval[2:]
+    both: tuple[Any, ...] = interval[2:]
     if frames.times.dtype.kind in "mM":
         second = np.timedelta64(1, "s")
         both = tuple(float((np.datetime64(t) - frames.times[0]) / second) for t in both)

@@ -171,23 +171,21 @@ def siap(
         **_accuracies(frames, pairs, position, velocity, empty),
         **_identification(frames, pairs, truth_identities, track_identities, empty),
     }
+    totals: dict[str, Any] = {}
+    series: dict[str, Any] = {}
+    for name, (part, whole, value) in parts.items():
+        totals[name] = _ratio(part.sum(), whole.sum(), value)
+        series[f"{name}_at"] = _ratios(part, whole, value)
     return SIAP(
-        **{
-            name: _ratio(part.sum(), whole.sum(), value)
-            for name, part, whole, value in _rows(parts)
-        },
+        **totals,
         rate_of_track_number_change=_ratio(*changes, empty),
         longest_track_segment=_ratio(*longest, empty),
         times=frames.times,
-        **{f"{name}_at": _ratios(part, whole, value) for name, part, whole, value in _rows(parts)},
+        **series,
     )
 
 
 Part = tuple[Floats, Floats, float]
-
-
-def _rows(parts: dict[str, Part]) -> list[tuple[str, Floats, Floats, float]]:
-    return [(name, *part) for name, part in parts.items()]
 
 
 def _ratio(part: float, whole: float, empty: float) -> float:
@@ -195,7 +193,8 @@ def _ratio(part: float, whole: float, empty: float) -> float:
 
 
 def _ratios(part: Floats, whole: Floats, empty: float) -> Floats:
-    return np.divide(part, whole, out=np.full(len(part), empty), where=whole != 0)
+    found: Floats = np.divide(part, whole, out=np.full(len(part), empty), where=whole != 0)
+    return found
 
 
 def _distinct(pairs: Associations, rows: Codes, frames: int) -> Floats:
@@ -235,7 +234,7 @@ def _accuracies(
         if difference is None:
             return np.zeros(len(frames))
         error = np.sqrt(np.square(difference[:, components]).sum(axis=1))
-        return np.bincount(pairs.frame, error, minlength=len(frames))
+        return np.bincount(pairs.frame, error, minlength=len(frames)).astype(np.float64)
 
     unknown = np.full(len(frames), math.nan)
     of_velocity = (part(moving), NA, empty) if moving else (unknown, unknown, math.nan)
