@@ -1,5 +1,6 @@
 """Scores over the identities of tracks."""
 
+from trackmetrics.tracking.associations import associate
 from trackmetrics.tracking.clear_mot import CLEARMOT, clear_mot
 from trackmetrics.tracking.evaluation import (
     Evaluation,
@@ -21,11 +22,15 @@ from trackmetrics.tracking.index_scores import (
 from trackmetrics.tracking.label_score import BoxScores, paired_labels, score_boxes
 from trackmetrics.tracking.preprocess import preprocess_kitti, preprocess_mot_challenge
 from trackmetrics.tracking.protocols import PROTOCOLS, Protocol
+from trackmetrics.tracking.siap import SIAP, siap
+from trackmetrics.tracking.vace import VACE, vace
 
 __all__ = [
     "CLEARMOT",
     "HOTA",
     "PROTOCOLS",
+    "SIAP",
+    "VACE",
     "BoxScores",
     "Evaluation",
     "Explanation",
@@ -33,6 +38,7 @@ __all__ = [
     "IdentityScores",
     "Protocol",
     "TrackFrames",
+    "associate",
     "average_classes",
     "clear_mot",
     "combine",
@@ -47,6 +53,8 @@ __all__ = [
     "preprocess_kitti",
     "preprocess_mot_challenge",
     "score_boxes",
+    "siap",
     "track_fragmentation",
     "track_purity",
+    "vace",
 ]
