@@ -5,15 +5,18 @@ The value is that of the plain array, or the error names the argument.
 
 import array as arrays
 import inspect
+import runpy
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import polars as pl
 import pytest
-from test_bad_arguments import GOOD, PLAIN
 
 import trackmetrics as tm
 
+_TABLE = runpy.run_path(str(Path(__file__).with_name("test_bad_arguments.py")))
+GOOD, PLAIN = _TABLE["GOOD"], _TABLE["PLAIN"]
 COSTS = np.array([[4.0, 1.0, 3.0], [2.0, 0.0, 5.0], [3.0, 2.0, 2.0]])
 CALLS = {
     **GOOD,

@@ -32,7 +32,7 @@ def floats(argument: str, values: Any) -> Floats:
 
 def array(argument: str, values: Any) -> NDArray[Any]:
     """``values`` as an array of NumPy's own class, of any kind; what is masked has no value."""
-    _refuse_masked(argument, values, ())
+    refuse_masked(argument, values)
     try:
         return np.asarray(values)
     except ValueError:
@@ -41,7 +41,7 @@ def array(argument: str, values: Any) -> NDArray[Any]:
         raise TypeError(f"{argument} cannot be read as an array: {error}") from None
 
 
-def _refuse_masked(argument: str, values: Any, index: tuple[int, ...]) -> None:
+def refuse_masked(argument: str, values: Any, index: tuple[int, ...] = ()) -> None:
     """Refuse a masked element, also in lists: NumPy would take the number below the mask."""
     if isinstance(values, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(values)
@@ -51,7 +51,7 @@ def _refuse_masked(argument: str, values: Any, index: tuple[int, ...]) -> None:
     elif isinstance(values, list | tuple):
         for i, value in enumerate(values):
             if isinstance(value, list | tuple | np.ma.MaskedArray):
-                _refuse_masked(argument, value, (*index, i))
+                refuse_masked(argument, value, (*index, i))
 
 
 def _plain(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
@@ -71,7 +71,7 @@ def integers(argument: str, values: Any) -> NDArray[np.int64]:
 def opened(values: Any) -> Any:
     """An array in place of an object that says how it is read as one; anything else as it is."""
     ways = ("__array__", "__array_interface__", "__array_struct__")
-    if isinstance(values, np.ndarray) or not (
+    if isinstance(values, np.ndarray | np.generic) or not (
         isinstance(values, memoryview) or any(hasattr(values, way) for way in ways)
     ):
         return values
@@ -82,7 +82,7 @@ def cost_matrix(values: Any) -> Floats:
     """``values`` as a C-ordered float64 matrix, by SciPy's rules: an array is cast where that is
     safe, anything else is read as numbers.
     """
-    _refuse_masked("cost_matrix", values, ())
+    refuse_masked("cost_matrix", values)
     if isinstance(values, np.ndarray):
         costs = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
     else:
@@ -102,7 +102,7 @@ def matrix(argument: str, values: Any) -> Floats:
 
 def cost_matrices(values: Any) -> Floats | list[Floats]:
     """Cost matrices as one C-ordered array where they come as an array, else as a list."""
-    _refuse_masked("costs", values, ())
+    refuse_masked("costs", values)
     if not isinstance(values, np.ndarray):
         return [_numbered(index, value) for index, value in enumerate(values)]
     costs = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
@@ -261,7 +261,7 @@ def nan_where_invalid(on_invalid: str) -> bool:
 
 def number(argument: str, value: Any) -> float:
     """A real number as a float; a word that reads as one is none."""
-    _refuse_masked(argument, value, ())
+    refuse_masked(argument, value)
     if isinstance(value, np.ndarray | np.generic):
         readable = value.ndim == 0 and value.dtype.kind in "biuf"
     else:

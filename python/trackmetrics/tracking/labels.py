@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import errors
+from trackmetrics import _check, errors
 
 Ids = NDArray[np.int64]
 
@@ -21,6 +21,7 @@ def labels(argument: str, values: Any) -> Ids:
     ``True`` are equal, as in Python, and ``1`` and ``"1"`` are not.
     """
     if isinstance(values, list | tuple | range):
+        _check.refuse_masked(argument, values)
         if set(map(type, values)) <= {int, bool}:
             try:
                 return np.array(values, dtype=np.int64)
@@ -65,10 +66,7 @@ def times(argument: str, values: Any) -> Ids | None:
 def _one_axis(argument: str, values: Any) -> NDArray[Any]:
     if isinstance(values, str | bytes):
         raise TypeError(f"{argument} must be a list or array, got {type(values).__name__}")
-    try:
-        array = np.asarray(values)
-    except ValueError:
-        raise ValueError(f"{argument} is ragged, expected shape (n,)") from None
+    array = _check.array(argument, values)
     if array.ndim != 1:
         raise errors.shape(argument, array.shape, "(n,)")
     return array

@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics import _backend, _deprecated, errors
+from trackmetrics import _backend, _deprecated
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.mmsi_conflicts import KNOT
 from trackmetrics.vessel.reports import Reports
 from trackmetrics.vessel.settings import OBSERVED, SLOW, Floats, Noise, Settings
+from trackmetrics.vessel.simulation_check import check_fleet, check_simulation
 from trackmetrics.vessel.to_log import write_log
 from trackmetrics.vessel.tracker import Tracker
 
@@ -228,7 +229,7 @@ def fleet(
     >>> fleet(3, seed=4).ships
     ('ship 1', 'ship 2', 'ship 3')
     """
-    _check_fleet(ships, duration, shares)
+    check_fleet(ships, duration, shares, centre, seed)
     settings = settings or Settings()
     low, high = interval if isinstance(interval, tuple) else (interval, interval)
     drawn = []
@@ -252,15 +253,6 @@ def _silenced(
     for begin in rng.uniform(0, max(duration - outage, 0), outages):
         times = times[(times <= begin) | (times > begin + outage)]
     return times
-
-
-def _check_fleet(ships: int, duration: float, shares: Sequence[float]) -> None:
-    if not ships >= 1:
-        raise errors.parameter("ships", "at least 1", ships)
-    if not STEP <= duration < np.inf:
-        raise errors.parameter("duration", f"at least {STEP:g} and finite", duration)
-    if abs(sum(shares) - 1) > 1e-9 or min(shares) < 0:
-        raise ValueError(f"shares must be at least 0 and add up to 1, got {tuple(shares)}")
 
 
 def _start(
@@ -313,7 +305,14 @@ def simulate(
         Seconds.
     seed : int
         The same seed gives the same run; a ship's draws do not depend on the others.
+
+    Raises
+    ------
+    ValueError, TypeError
+        Where a number is not finite or out of its range, times do not rise or are outside the
+        simulation, or a ship has no settings; the message names the field.
     """
+    check_simulation(ships, settings, begin, end, seed)
     generators = [np.random.default_rng([seed, 0, k]) for k in range(len(ships))]
     steps = round((end - begin) / STEP)
     times: Floats = begin + STEP * np.arange(steps + 1, dtype=np.float64)

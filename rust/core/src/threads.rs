@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_millis(20);
 
 /// 0 stands for "as many as the machine has".
 static THREADS: AtomicUsize = AtomicUsize::new(0);
-/// Asked once, since the answer takes tens of microseconds to find; 0 where nobody has asked yet.
+/// Asked once, since the answer takes tens of microseconds to find; 0 where it was not asked yet.
 static MACHINE: AtomicUsize = AtomicUsize::new(0);
 /// Most forks in one line, each made by a child of the one before, that have a pool of their own.
 const GENERATIONS: usize = 64;
@@ -28,7 +28,7 @@ static PLACES: [Place; GENERATIONS] = [const { Place::new() }; GENERATIONS];
 
 /// Where one process keeps its pool.
 struct Place {
-    /// Whose it is; 0 for nobody's.
+    /// Whose it is; 0 for a free place.
     process: AtomicU32,
     pool: Mutex<Option<Pool>>,
 }
@@ -38,7 +38,7 @@ impl Place {
         Self { process: AtomicU32::new(0), pool: Mutex::new(None) }
     }
 
-    /// Whether it is this process's, which it becomes where it was nobody's.
+    /// Whether it is this process's, which it becomes where it was free.
     fn belongs_to(&self, process: u32) -> bool {
         let owner = self.process.compare_exchange(0, process, Ordering::Relaxed, Ordering::Relaxed);
         owner.is_ok() || owner == Err(process)
