@@ -27,7 +27,7 @@ def floats(argument: str, values: Any) -> Floats:
     found = array(argument, values)
     if found.dtype.kind not in "biuf":
         raise TypeError(f"{argument} must hold real numbers, got dtype {found.dtype}")
-    return _plain(found, np.float64)
+    return plain(found, np.float64)
 
 
 def array(argument: str, values: Any) -> NDArray[Any]:
@@ -54,10 +54,10 @@ def refuse_masked(argument: str, values: Any, index: tuple[int, ...] = ()) -> No
                 refuse_masked(argument, value, (*index, i))
 
 
-def _plain(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
+def plain(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
     """The form that kernels borrow: C-ordered, aligned and in the machine's byte order."""
-    plain = np.asarray(values, dtype=dtype, order="C")
-    return plain if plain.flags.aligned else plain.copy()
+    ordered = np.asarray(values, dtype=dtype, order="C")
+    return ordered if ordered.flags.aligned else ordered.copy()
 
 
 def integers(argument: str, values: Any) -> NDArray[np.int64]:
@@ -65,7 +65,7 @@ def integers(argument: str, values: Any) -> NDArray[np.int64]:
     found = array(argument, values)
     if found.size and found.dtype.kind not in "iu":
         raise TypeError(f"{argument} must hold whole numbers, got dtype {found.dtype}")
-    return _plain(found, np.int64)
+    return plain(found, np.int64)
 
 
 def opened(values: Any) -> Any:
@@ -89,7 +89,7 @@ def cost_matrix(values: Any) -> Floats:
         costs = np.asarray(values, dtype=np.float64, order="C")
     if costs.ndim != 2:
         raise errors.not_a_matrix(costs.ndim)
-    return _plain(costs, np.float64)
+    return plain(costs, np.float64)
 
 
 def matrix(argument: str, values: Any) -> Floats:
@@ -108,7 +108,7 @@ def cost_matrices(values: Any) -> Floats | list[Floats]:
     costs = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
     if costs.ndim != 3:
         raise errors.shape("costs", costs.shape, "(B, n, m)")
-    return _plain(costs, np.float64)
+    return plain(costs, np.float64)
 
 
 def _numbered(index: int, value: Any) -> Floats:

@@ -41,8 +41,8 @@ def ospa(
     Raises
     ------
     ValueError
-        Where ``c`` is not positive, ``p`` is below 0.001, a coordinate is not finite, or points have different
-        numbers of coordinates.
+        Where ``c`` is not positive, ``p`` is below 0.001 (where a root of powers keeps too few
+        digits), a coordinate is not finite, or points have different numbers of coordinates.
 
     Notes
     -----

@@ -32,11 +32,12 @@ def labels(argument: str, values: Any) -> Ids:
     kind = array.dtype.kind
     if kind in "biu":
         # Beyond int64 an unsigned label wraps to a negative id of its own.
-        return np.ascontiguousarray(array).astype(np.int64, copy=False)
+        return _check.plain(array, np.int64)
     if kind == "f":
         return _of_floats(_without_nan(argument, array))
     if kind in "mM":
-        return np.ascontiguousarray(_without_nan(argument, array)).view(np.int64)
+        dates = _without_nan(argument, array)
+        return _check.plain(dates, dates.dtype.newbyteorder("=")).view(np.int64)
     if kind in "US":
         return np.unique(array, return_inverse=True)[1].astype(np.int64, copy=False)
     return _hashed(argument, array.tolist())
@@ -52,7 +53,7 @@ def times(argument: str, values: Any) -> Ids | None:
     array = _one_axis(argument, values)
     kind = array.dtype.kind
     if kind in "bi":
-        return np.ascontiguousarray(array).astype(np.int64, copy=False)
+        return _check.plain(array, np.int64)
     if kind in "fmM":
         array = _without_nan(argument, array)
     if kind in "US" and not isinstance(values, np.ndarray):
