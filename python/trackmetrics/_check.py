@@ -25,44 +25,91 @@ SYMMETRY_SINGLE = 1e-3
 
 def floats(argument: str, values: Any) -> Floats:
     """``values`` as a C-ordered float64 array of any shape."""
+    found = array(argument, values)
+    if found.dtype.kind not in "biuf":
+        raise TypeError(f"{argument} must hold real numbers, got dtype {found.dtype}")
+    return plain(found, np.float64)
+
+
+def array(argument: str, values: Any) -> NDArray[Any]:
+    """``values`` as an array of NumPy's own class, of any kind; what is masked has no value."""
+    refuse_masked(argument, values)
     try:
-        array = np.asarray(values)
+        return np.asarray(values)
     except ValueError:
         raise ValueError(f"{argument} is ragged: expected an array of numbers") from None
-    if array.dtype.kind not in "biuf":
-        raise TypeError(f"{argument} must hold real numbers, got dtype {array.dtype}")
-    return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+    except (TypeError, NotImplementedError, BufferError) as error:
+        raise TypeError(f"{argument} cannot be read as an array: {error}") from None
+
+
+def refuse_masked(argument: str, values: Any, index: tuple[int, ...] = ()) -> None:
+    """Refuse a masked element, also in lists: NumPy would take the number below the mask."""
+    if isinstance(values, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(values)
+        if mask.dtype == bool and mask.any():
+            where = errors.format_index((*index, *map(int, np.argwhere(mask)[0])))
+            raise ValueError(f"{argument}{where} is masked: leave out what has no value")
+    elif isinstance(values, list | tuple):
+        for i, value in enumerate(values):
+            if isinstance(value, list | tuple | np.ma.MaskedArray):
+                refuse_masked(argument, value, (*index, i))
+
+
+def plain(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
+    """The form that kernels borrow: C-ordered, aligned and in the machine's byte order."""
+    ordered = np.asarray(values, dtype=dtype, order="C")
+    return ordered if ordered.flags.aligned else ordered.copy()
+
+
+def integers(argument: str, values: Any) -> NDArray[np.int64]:
+    """``values`` as a C-ordered int64 array of any shape."""
+    found = array(argument, values)
+    if found.size and found.dtype.kind not in "iu":
+        raise TypeError(f"{argument} must hold whole numbers, got dtype {found.dtype}")
+    return plain(found, np.int64)
+
+
+def opened(values: Any) -> Any:
+    """An array in place of an object that says how it is read as one; anything else as it is."""
+    ways = ("__array__", "__array_interface__", "__array_struct__")
+    if isinstance(values, np.ndarray | np.generic) or not (
+        isinstance(values, memoryview) or any(hasattr(values, way) for way in ways)
+    ):
+        return values
+    return np.asarray(values)
 
 
 def cost_matrix(values: Any) -> Floats:
     """``values`` as a C-ordered float64 matrix, by SciPy's rules: an array is cast where that is
     safe, anything else is read as numbers.
     """
+    refuse_masked("cost_matrix", values)
     if isinstance(values, np.ndarray):
-        array = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
+        costs = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
     else:
-        array = np.asarray(values, dtype=np.float64, order="C")
-    if array.ndim != 2:
-        raise errors.not_a_matrix(array.ndim)
-    return array
+        costs = np.asarray(values, dtype=np.float64, order="C")
+    if costs.ndim != 2:
+        raise errors.not_a_matrix(costs.ndim)
+    return plain(costs, np.float64)
 
 
 def matrix(argument: str, values: Any) -> Floats:
     """``values`` as a C-ordered float64 matrix."""
-    array = floats(argument, values)
-    if array.ndim != 2:
-        raise errors.shape(argument, array.shape, "(m, n)")
-    return array
+    found = floats(argument, values)
+    if found.ndim != 2:
+        raise errors.shape(argument, found.shape, "(m, n)")
+    return found
 
 
 def cost_matrices(values: Any) -> Floats | list[Floats]:
     """Cost matrices as one C-ordered array where they come as an array, else as a list."""
+    refuse_masked("costs", values)
     if not isinstance(values, np.ndarray):
         return [_numbered(index, value) for index, value in enumerate(values)]
-    array = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
-    if array.ndim != 3:
-        raise errors.shape("costs", array.shape, "(B, n, m)")
-    return array
+    costs = np.asarray(values).astype(np.float64, order="C", casting="safe", copy=False)
+    if costs.ndim != 3:
+        raise errors.shape("costs", costs.shape, "(B, n, m)")
+    return plain(costs, np.float64)
 
 
 def _numbered(index: int, value: Any) -> Floats:
@@ -79,6 +126,7 @@ def points(argument: str, values: Any, dimension: int | None = None) -> Floats:
     whose rows are points. A one-dimensional array is a set of numbers. ``dimension`` is what the
     points must have, where that is settled already.
     """
+    values = opened(values)
     if isinstance(values, np.ndarray):
         rows = floats(argument, values)
         if rows.ndim == 0:
@@ -118,8 +166,11 @@ def frames(argument: str, values: Any) -> tuple[Floats, NDArray[np.int64]]:
     or the packed form itself: a tuple of a two-dimensional array and a one-dimensional array of
     integers.
     """
+    values = opened(values)
     if _is_packed(values):
-        return points(argument, values[0]), np.ascontiguousarray(values[1], dtype=np.int64)
+        return points(argument, values[0]), integers(argument, values[1])
+    if isinstance(values, np.ndarray):
+        values = array(argument, values)
     if isinstance(values, np.ndarray) and values.ndim < 2:
         raise errors.shape(argument, values.shape, "(T, n, d)")
     if not isinstance(values, Sequence | np.ndarray) or isinstance(values, str):
@@ -184,15 +235,22 @@ def periods(angles: Mapping[int, float] | None, covariance: Any) -> Floats | Non
     """The period of every component, 0 for one that is not an angle."""
     if angles is None:
         return None
-    d = (np.shape(covariance) or (1,))[-1]
-    array = np.zeros(d)
-    for place, (index, period) in enumerate(angles.items()):
+    if not isinstance(angles, Mapping):
+        raise TypeError(
+            "angles must map indices of components to periods, as in {2: 360.0}, "
+            f"got {_form(angles)}"
+        )
+    d = (array("covariance", covariance).shape or (1,))[-1]
+    found = np.zeros(d)
+    for place, (key, value) in enumerate(angles.items()):
+        index = whole("an index in angles", key)
+        period = number(f"angles[{index}]", value)
         if not -d <= index < d:
             raise errors.index_out_of_range("angles", place, index, d)
         if not 0 < period < math.inf:
             raise errors.element("angles", [index], "positive and finite", period)
-        array[index] = period
-    return array
+        found[index] = period
+    return found
 
 
 def nan_where_invalid(on_invalid: str) -> bool:
@@ -204,6 +262,7 @@ def nan_where_invalid(on_invalid: str) -> bool:
 
 def number(argument: str, value: Any) -> float:
     """A real number as a float; a word that reads as one is none."""
+    refuse_masked(argument, value)
     if isinstance(value, np.ndarray | np.generic):
         readable = value.ndim == 0 and value.dtype.kind in "biuf"
     else:
@@ -263,15 +322,12 @@ def indices(argument: str, values: Any, length: int) -> list[int]:
     """Indices of components, from a number, a slice, a mask or a sequence of numbers."""
     if isinstance(values, slice):
         return list(range(length))[values]
-    try:
-        array = np.atleast_1d(np.asarray(values))
-    except ValueError:
-        raise ValueError(f"{argument} is ragged: expected a list of whole numbers") from None
-    if array.dtype.kind == "b" and array.shape == (length,):
-        return [int(i) for i in np.flatnonzero(array)]
-    if (array.size and array.dtype.kind not in "iu") or array.ndim != 1:
-        raise TypeError(f"{argument} must be a list of whole numbers, got {shortened(values)}")
-    return [int(i) for i in array]
+    found = np.atleast_1d(array(argument, values))
+    if found.dtype.kind == "b" and found.shape == (length,):
+        return [int(i) for i in np.flatnonzero(found)]
+    if (found.size and found.dtype.kind not in "iu") or found.ndim != 1:
+        raise TypeError(f"{argument} must be a list of whole numbers, got {_form(values)}")
+    return [int(i) for i in found]
 
 
 def axes(axis: Any) -> list[int] | None:

@@ -23,6 +23,8 @@ from trackmetrics.results import OSPAResult
 Parts = tuple[float, float, float]
 Pairs = NDArray[np.int64]
 GospaParts = tuple[float, float, float, float, int, int]
+LEAST_ORDER = 1e-3
+"""Below it the root of a mean of powers keeps too few digits."""
 _POWERS = (1e-250, 1e250)  # where powers keep their digits
 
 
@@ -219,6 +221,8 @@ def _check_distances(distances: Floats) -> None:
 def _check_cutoff(c: float, p: float) -> None:
     positive("c", c)
     positive("p", p)
+    if p < LEAST_ORDER:
+        raise errors.parameter("p", "at least 0.001", p)
 
 
 def _check_setting(c: float, p: float, alpha: float) -> None:

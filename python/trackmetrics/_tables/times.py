@@ -186,7 +186,7 @@ def _from_text(argument: str, array: NDArray[Any], date_order: str | None, stric
     first, month, third, hour, minute, second, is_pm, offset = groups.T
     year, day = (first, third) if form in ("year first", "compact") else (third, first)
     if form == "year last":
-        day, month = _day_and_month(argument, first, month, date_order)
+        day, month = _day_and_month(argument, array, (first, month), date_order)
     hour = np.where(np.isnan(is_pm), hour, np.where((hour < 1) | (hour > 12), 24, hour % 12))
     hour = hour + 12 * np.nan_to_num(is_pm)
     clock = (np.nan_to_num(part) for part in (hour, minute, second))
@@ -217,15 +217,20 @@ def _is_number(cell: Any) -> bool:
 
 
 def _day_and_month(
-    argument: str, a: NDArray[np.float64], b: NDArray[np.float64], order: str | None
+    argument: str,
+    cells: NDArray[Any],
+    numbers: tuple[NDArray[np.float64], NDArray[np.float64]],
+    order: str | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Which of the two numbers is the day: one that is above 12 somewhere."""
+    a, b = numbers
     first, second = bool((a > 12).any()), bool((b > 12).any())
     if order is None and first == second:
         why = "both are above 12 somewhere" if first else "neither is ever above 12"
+        row = int(np.argmax(np.isfinite(a)))
         raise ValueError(
-            f"{argument}: day and month cannot be told apart ({why}): give date_order='dmy' or "
-            "date_order='mdy'"
+            f"{argument}: day and month cannot be told apart ({why}; {argument}[{row}] is "
+            f"{value(cells[row])}): give date_order='dmy' or date_order='mdy'"
         )
     day_first = order == "dmy" if order is not None else first
     return (a, b) if day_first else (b, a)

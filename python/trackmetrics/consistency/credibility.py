@@ -19,9 +19,9 @@ def noncredibility_index(
 
     Parameters
     ----------
-    errors : array_like of shape (N, d)
+    errors : array_like of shape (N, ..., d)
         Errors of N independent runs.
-    covariances : array_like of shape (N, d, d), or (d, d) for all
+    covariances : array_like of shape (N, ..., d, d), or (d, d) for all
         Their claimed covariances.
     reference : "sample" or "expected"
         Sigma: the mean square error of these runs, or, in its place, the logarithm that a
@@ -51,7 +51,7 @@ def noncredibility_index(
     3.979
     """
     logs = _log_ratios(errors, covariances, reference)
-    return CredibilityIndex(np.abs(logs).mean(), np.nan, np.nan, np.nan)
+    return CredibilityIndex(np.abs(logs).mean(0), np.nan, np.nan, np.nan)
 
 
 def inclination_index(
@@ -65,9 +65,9 @@ def inclination_index(
 
     Parameters
     ----------
-    errors : array_like of shape (N, d)
+    errors : array_like of shape (N, ..., d)
         Errors of N independent runs.
-    covariances : array_like of shape (N, d, d), or (d, d) for all
+    covariances : array_like of shape (N, ..., d, d), or (d, d) for all
         Their claimed covariances.
     reference : "expected" or "sample"
         What the claimed covariance is compared with.
@@ -99,11 +99,11 @@ def inclination_index(
     """
     _check.fraction("confidence", confidence)
     logs = _log_ratios(errors, covariances, reference)
-    value, d = logs.mean(), components(errors)
+    value, d = logs.mean(0), components(errors)
     if reference == "sample":
         return CredibilityIndex(value, np.nan, np.nan, np.nan)
     special = _distributions.special()
-    deviation = _distributions.DECIBELS * np.sqrt(special.polygamma(1, d / 2) / logs.size)
+    deviation = _distributions.DECIBELS * np.sqrt(special.polygamma(1, d / 2) / len(logs))
     bound = _distributions.normal_quantile((1 + confidence) / 2) * deviation
     p_value = _distributions.normal_p_value(value / deviation)
     return CredibilityIndex(value, -bound, bound, p_value)
@@ -119,7 +119,8 @@ def _log_ratios(errors: Any, covariances: Any, reference: str) -> Floats:
     if reference == "sample":
         # An error of exactly zero agrees with any covariance.
         with np.errstate(invalid="ignore"):
-            ratio = claimed / nees_check(e, _mean_square(e), "errors", "the mean square error")
+            square = np.broadcast_to(_mean_square(e), (*e.shape, d)).copy()
+            ratio = claimed / nees_check(e, square, "errors", "the mean square error")
         agreed: Floats = _distributions.DECIBELS * np.log(np.where(np.isfinite(ratio), ratio, 1.0))
         return agreed
     expected = _distributions.chi2_log_mean(d)
@@ -129,7 +130,7 @@ def _log_ratios(errors: Any, covariances: Any, reference: str) -> Floats:
 
 
 def _mean_square(e: Floats) -> Floats:
-    square: Floats = np.einsum("ni,nj->ij", e, e) / len(e)
+    square: Floats = np.einsum("n...i,n...j->...ij", e, e) / len(e)
     return square
 
 
@@ -143,9 +144,9 @@ def covariance_test(errors: Any, covariances: Any, *, confidence: float = 0.95) 
 
     Parameters
     ----------
-    errors : array_like of shape (N, d)
+    errors : array_like of shape (N, ..., d)
         Errors of N independent runs, more than d, with mean zero (see :func:`bias_test`).
-    covariances : array_like of shape (N, d, d), or (d, d) for all
+    covariances : array_like of shape (N, ..., d, d), or (d, d) for all
         Their claimed covariances.
     confidence : float
         Probability that a consistent filter passes.
@@ -177,11 +178,11 @@ def covariance_test(errors: Any, covariances: Any, *, confidence: float = 0.95) 
     """
     _check.fraction("confidence", confidence)
     e, p = errors_of_runs(errors, covariances, runs=components(errors) + 1)
-    count, d = e.shape
+    count, d = len(e), e.shape[-1]
     w = _mean_square(whitened(e, p))
     factor = 1 - (2 * d * d + 3 * d - 1) / (6 * count * (d + 1))
     logarithm = np.linalg.slogdet(w)[1]
-    statistic = factor * count * max(0.0, np.trace(w) - logarithm - d)
+    statistic = factor * count * np.maximum(0.0, np.trace(w, axis1=-2, axis2=-1) - logarithm - d)
     return _significance(statistic, d * (d + 1) // 2, confidence)
 
 
@@ -194,9 +195,9 @@ def bias_test(errors: Any, covariances: Any, *, confidence: float = 0.95) -> Sig
 
     Parameters
     ----------
-    errors : array_like of shape (N, d)
+    errors : array_like of shape (N, ..., d)
         Errors of N independent runs.
-    covariances : array_like of shape (N, d, d), or (d, d) for all
+    covariances : array_like of shape (N, ..., d, d), or (d, d) for all
         Their claimed covariances.
     confidence : float
         Probability that an unbiased filter passes.
@@ -221,7 +222,7 @@ def bias_test(errors: Any, covariances: Any, *, confidence: float = 0.95) -> Sig
     _check.fraction("confidence", confidence)
     e, p = errors_of_runs(errors, covariances)
     mean = whitened(e, p).mean(0)
-    return _significance(len(e) * mean @ mean, e.shape[-1], confidence)
+    return _significance(len(e) * (mean * mean).sum(-1), e.shape[-1], confidence)
 
 
 def hotelling_test(errors: Any, *, confidence: float = 0.95) -> SignificanceTest:
@@ -233,7 +234,7 @@ def hotelling_test(errors: Any, *, confidence: float = 0.95) -> SignificanceTest
 
     Parameters
     ----------
-    errors : array_like of shape (N, d)
+    errors : array_like of shape (N, ..., d)
         Errors of N independent runs, more than d.
     confidence : float
         Probability that an unbiased filter passes.
@@ -263,13 +264,13 @@ def hotelling_test(errors: Any, *, confidence: float = 0.95) -> SignificanceTest
     d = components(errors)
     e, _ = errors_of_runs(errors, np.eye(d), runs=d + 1)
     count = len(e)
-    sample = np.atleast_2d(np.cov(e.T))
-    form = float(nees_check(e.mean(0), sample, "errors", "the sample covariance"))
+    sample = _mean_square(e - e.mean(0)) * (count / (count - 1))
+    form = nees_check(e.mean(0), sample, "errors", "the sample covariance")
     statistic = count * form * (count - d) / (d * (count - 1))
     p_value = _distributions.special().fdtrc(d, count - d, statistic)
     return SignificanceTest(statistic, d, p_value, p_value >= 1 - confidence)
 
 
-def _significance(statistic: float, dof: int, confidence: float) -> SignificanceTest:
+def _significance(statistic: Any, dof: int, confidence: float) -> SignificanceTest:
     p_value = _distributions.chi2_sf(statistic, dof)
     return SignificanceTest(statistic, dof, p_value, p_value >= 1 - confidence)

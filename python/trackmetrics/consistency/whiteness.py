@@ -92,6 +92,7 @@ def _longest_lag(lags: int | None, count: int) -> int:
 
 def _whitened_run(innovations: Any, covariances: Any) -> Floats:
     """Whitened innovations, NaN where an update has fewer components than others."""
+    innovations, covariances = _check.opened(innovations), _check.opened(covariances)
     if _is_mixed(innovations):
         return _whitened_mixed(innovations, covariances)
     v, s, _ = _check.states(("innovation_covariances", covariances), ("innovations", innovations))

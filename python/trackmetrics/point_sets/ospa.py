@@ -28,7 +28,7 @@ def ospa(
         Cutoff, in the unit of the points: the price of a point too many or too few. ``inf`` is
         allowed.
     p : float
-        Order, positive; a metric for ``p >= 1``. ``inf`` gives the bottleneck distance.
+        Order, at least 0.001; a metric for ``p >= 1``. ``inf`` gives the bottleneck distance.
     distance : {"euclidean", "manhattan", "haversine"}, Mahalanobis or callable
         The distance of two points. ``"haversine"`` takes (latitude, longitude) in degrees and gives
         metres; then ``c`` is in metres too. A callable takes a point of X and one of Y.
@@ -41,8 +41,8 @@ def ospa(
     Raises
     ------
     ValueError
-        Where ``c`` or ``p`` is not positive, a coordinate is not finite, or points have different
-        numbers of coordinates.
+        Where ``c`` is not positive, ``p`` is below 0.001 (where a root of powers keeps too few
+        digits), a coordinate is not finite, or points have different numbers of coordinates.
 
     Notes
     -----
@@ -89,7 +89,7 @@ def ospa_over_time(
     c : float
         Cutoff, in the unit of the points. ``inf`` is allowed.
     p : float
-        Order, positive; a metric for ``p >= 1``. ``inf`` gives the bottleneck distance.
+        Order, at least 0.001; a metric for ``p >= 1``. ``inf`` gives the bottleneck distance.
 
     Returns
     -------
@@ -147,7 +147,7 @@ def ospa_from_distances(distances: Any, c: float = 100.0, p: float = 2.0) -> OSP
     Raises
     ------
     ValueError
-        Where a distance is negative or NaN, or ``c`` or ``p`` is not positive.
+        Where a distance is negative or NaN, ``c`` is not positive or ``p`` is below 0.001.
 
     Examples
     --------

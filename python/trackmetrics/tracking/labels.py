@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import errors
+from trackmetrics import _check, errors
 
 Ids = NDArray[np.int64]
 
@@ -21,6 +21,7 @@ def labels(argument: str, values: Any) -> Ids:
     ``True`` are equal, as in Python, and ``1`` and ``"1"`` are not.
     """
     if isinstance(values, list | tuple | range):
+        _check.refuse_masked(argument, values)
         if set(map(type, values)) <= {int, bool}:
             try:
                 return np.array(values, dtype=np.int64)
@@ -31,11 +32,12 @@ def labels(argument: str, values: Any) -> Ids:
     kind = array.dtype.kind
     if kind in "biu":
         # Beyond int64 an unsigned label wraps to a negative id of its own.
-        return np.ascontiguousarray(array).astype(np.int64, copy=False)
+        return _check.plain(array, np.int64)
     if kind == "f":
         return _of_floats(_without_nan(argument, array))
     if kind in "mM":
-        return np.ascontiguousarray(_without_nan(argument, array)).view(np.int64)
+        dates = _without_nan(argument, array)
+        return _check.plain(dates, dates.dtype.newbyteorder("=")).view(np.int64)
     if kind in "US":
         return np.unique(array, return_inverse=True)[1].astype(np.int64, copy=False)
     return _hashed(argument, array.tolist())
@@ -51,7 +53,7 @@ def times(argument: str, values: Any) -> Ids | None:
     array = _one_axis(argument, values)
     kind = array.dtype.kind
     if kind in "bi":
-        return np.ascontiguousarray(array).astype(np.int64, copy=False)
+        return _check.plain(array, np.int64)
     if kind in "fmM":
         array = _without_nan(argument, array)
     if kind in "US" and not isinstance(values, np.ndarray):
@@ -65,10 +67,7 @@ def times(argument: str, values: Any) -> Ids | None:
 def _one_axis(argument: str, values: Any) -> NDArray[Any]:
     if isinstance(values, str | bytes):
         raise TypeError(f"{argument} must be a list or array, got {type(values).__name__}")
-    try:
-        array = np.asarray(values)
-    except ValueError:
-        raise ValueError(f"{argument} is ragged, expected shape (n,)") from None
+    array = _check.array(argument, values)
     if array.ndim != 1:
         raise errors.shape(argument, array.shape, "(n,)")
     return array

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trackmetrics import _backend, _deprecated, errors
-from trackmetrics._tables.errors import value
+from trackmetrics import _backend, _deprecated
 from trackmetrics.logs import EstimatorLog
 from trackmetrics.vessel.geodesy import KNOT
 from trackmetrics.vessel.reports import Reports
@@ -20,6 +19,7 @@ from trackmetrics.vessel.settings import (
     Floats,
     Settings,
 )
+from trackmetrics.vessel.simulation_check import check_fleet, check_simulation
 from trackmetrics.vessel.to_log import write_log
 from trackmetrics.vessel.tracker import Tracker
 
@@ -140,7 +140,7 @@ def fleet(
     >>> fleet(3, seed=4).ships
     ('ship 1', 'ship 2', 'ship 3')
     """
-    _check_fleet(ships, duration, type_shares)
+    check_fleet(ships, duration, type_shares, centre, seed)
     settings = settings or Settings()
     low, high = (
         report_interval
@@ -172,17 +172,6 @@ def _without_outages(
     for begin in rng.uniform(0, max(duration - outage_duration, 0), outage_rate):
         times = times[(times <= begin) | (times > begin + outage_duration)]
     return times
-
-
-def _check_fleet(ships: int, duration: float, type_shares: Sequence[float]) -> None:
-    if not ships >= 1:
-        raise errors.parameter("ships", "at least 1", ships)
-    if not STEP <= duration < np.inf:
-        raise errors.parameter("duration", f"at least {STEP:g} and finite", duration)
-    if abs(sum(type_shares) - 1) > 1e-9 or min(type_shares) < 0:
-        raise ValueError(
-            f"type_shares must be at least 0 and add up to 1, got {value(tuple(type_shares))}"
-        )
 
 
 def _start(
@@ -232,7 +221,14 @@ def simulate(
         Seconds.
     seed : int
         The same seed gives the same run; a ship's draws do not depend on the others.
+
+    Raises
+    ------
+    ValueError, TypeError
+        Where a number is not finite or out of its range, times do not rise or are outside the
+        simulation, or a ship has no settings; the message names the field.
     """
+    check_simulation(ships, settings, begin, end, seed)
     generators = [np.random.default_rng([seed, 0, k]) for k in range(len(ships))]
     steps = round((end - begin) / STEP)
     times: Floats = begin + STEP * np.arange(steps + 1, dtype=np.float64)

@@ -1,8 +1,9 @@
 //! One pool of threads of our own, and how wide it may be.
 //!
 //! Linux forks: a child inherits the pool's memory but not its threads, and work handed to it
-//! would wait for ever. The pool is therefore tagged with the process that built it; in a child
-//! the first parallel call builds a new one.
+//! would wait for ever; so would a lock that another thread of the parent held at that moment.
+//! Each process of a line of forks therefore has a place of its own, with a lock of its own, and
+//! never touches those of its parents; in a child the first parallel call builds a new pool.
 //!
 //! Work is split over frames, runs or matrices only and every item writes its own place of the
 //! output, so that a result has the same bits with one thread or with many.
@@ -10,8 +11,8 @@
 use crate::error::Result;
 use crate::interrupt::Interrupt;
 use rayon::ThreadPool;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, mpsc};
+use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::time::Duration;
 
 /// How long the calling thread of [`fill_until`] sleeps between two looks for an interrupt.
@@ -19,12 +20,32 @@ const PATIENCE: Duration = Duration::from_millis(20);
 
 /// 0 stands for "as many as the machine has".
 static THREADS: AtomicUsize = AtomicUsize::new(0);
-/// Asked once: the answer takes tens of microseconds to find.
-static MACHINE: OnceLock<usize> = OnceLock::new();
-static POOL: Mutex<Option<Pool>> = Mutex::new(None);
+/// Asked once, since the answer takes tens of microseconds to find; 0 where it was not asked yet.
+static MACHINE: AtomicUsize = AtomicUsize::new(0);
+/// Most forks in one line, each made by a child of the one before, that have a pool of their own.
+const GENERATIONS: usize = 64;
+static PLACES: [Place; GENERATIONS] = [const { Place::new() }; GENERATIONS];
+
+/// Where one process keeps its pool.
+struct Place {
+    /// Whose it is; 0 for a free place.
+    process: AtomicU32,
+    pool: Mutex<Option<Pool>>,
+}
+
+impl Place {
+    const fn new() -> Self {
+        Self { process: AtomicU32::new(0), pool: Mutex::new(None) }
+    }
+
+    /// Whether it is this process's, which it becomes where it was free.
+    fn belongs_to(&self, process: u32) -> bool {
+        let owner = self.process.compare_exchange(0, process, Ordering::Relaxed, Ordering::Relaxed);
+        owner.is_ok() || owner == Err(process)
+    }
+}
 
 struct Pool {
-    process: u32,
     threads: usize,
     pool: Arc<ThreadPool>,
 }
@@ -37,8 +58,20 @@ pub fn set_threads(threads: usize) {
 /// How many threads a kernel may use.
 pub fn threads() -> usize {
     match THREADS.load(Ordering::Relaxed) {
-        0 => *MACHINE.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from)),
+        0 => machine(),
         threads => threads,
+    }
+}
+
+/// How many threads the machine has. Two that ask at once find the same.
+fn machine() -> usize {
+    match MACHINE.load(Ordering::Relaxed) {
+        0 => {
+            let found = std::thread::available_parallelism().map_or(1, usize::from);
+            MACHINE.store(found, Ordering::Relaxed);
+            found
+        }
+        known => known,
     }
 }
 
@@ -48,17 +81,13 @@ fn pool() -> Option<Arc<ThreadPool>> {
     if threads < 2 {
         return None;
     }
-    let mut slot = lock(&POOL);
-    if let Some(pool) = slot.as_ref().filter(|p| p.process == process && p.threads == threads) {
+    let place = PLACES.iter().find(|place| place.belongs_to(process))?;
+    let mut slot = lock(&place.pool);
+    if let Some(pool) = slot.as_ref().filter(|pool| pool.threads == threads) {
         return Some(Arc::clone(&pool.pool));
     }
     let pool = Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
-    // The parent's pool has no threads here: dropping it would wait for them.
-    if let Some(old) = slot.replace(Pool { process, threads, pool: Arc::clone(&pool) })
-        && old.process != process
-    {
-        std::mem::forget(old);
-    }
+    *slot = Some(Pool { threads, pool: Arc::clone(&pool) });
     Some(pool)
 }
 
@@ -191,6 +220,16 @@ mod tests {
             (first + piece.len() <= 300).then_some(()).ok_or(first)
         });
         assert!(failed.is_err_and(|first| first <= 300));
+    }
+
+    #[test]
+    fn a_child_never_waits_for_what_its_parent_held() {
+        let places = [const { Place::new() }; 3];
+        let mine = |process| places.iter().position(|place| place.belongs_to(process));
+        assert_eq!([mine(7), mine(7)], [Some(0); 2]);
+        let _held = lock(&places[0].pool);
+        assert_eq!([mine(8), mine(9), mine(8), mine(10)], [Some(1), Some(2), Some(1), None]);
+        assert!(lock(&places[1].pool).is_none());
     }
 
     #[test]

@@ -30,19 +30,25 @@ pub(crate) enum Power {
     Any,
 }
 
+/// Smallest order of OSPA: below it the root of a mean of powers keeps too few digits.
+const LEAST_ORDER: f64 = 1e-3;
 /// Even orders up to this one are raised by products.
 const LARGEST_EVEN: f64 = 64.0;
 
 impl Cutoff {
-    /// Order `p` and cutoff `c`, each positive and possibly infinite.
+    /// Order `p`, at least 0.001, and cutoff `c`, positive; each may be infinite.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for NaN and for what is not positive.
+    /// [`Error::Parameter`] for NaN, for what is not positive and for orders too small.
     pub fn new(c: f64, p: f64) -> Result<Self> {
         for (argument, value) in [("c", c), ("p", p)] {
             if value.is_nan() || value <= 0.0 {
                 return Err(Error::Parameter { argument, requirement: "positive", value });
             }
+        }
+        if p < LEAST_ORDER {
+            let requirement = "at least 0.001";
+            return Err(Error::Parameter { argument: "p", requirement, value: p });
         }
         let power = match p {
             1.0 => Power::One,
