@@ -296,3 +296,12 @@ def test_every_width_gives_the_same_pairs(width, kind):
             assert outcome(_native.linear_sum_assignment, costs) == expected
     finally:
         _native.set_simd("widest")
+
+
+@pytest.mark.parametrize("shape", [(31, 33), (33, 31), (32, 31), (32, 32), (1, 1023), (1024, 1)])
+@pytest.mark.parametrize("values", [3, 1000])
+def test_about_the_size_from_which_the_interpreter_is_let_go(shape, values):
+    """Up to 32 pairs leave the kernel without a list; more, through one."""
+    costs = np.random.default_rng(values).integers(0, values, shape).astype(float)
+    same_pairs(linear_sum_assignment(costs), scipy_assignment(costs))
+    same_pairs(linear_sum_assignment(costs, True), scipy_assignment(costs, True))

@@ -6,6 +6,7 @@ take no memory beside the stack's own. Each row's numbers are the same in any bl
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextvars import copy_context
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,18 @@ def for_blocks(function: Callable[[slice], Any], rows: int) -> None:
     with ThreadPoolExecutor(threads) as executor:
         for _ in executor.map(function, row_blocks(rows)):
             pass
+
+
+def side_by_side(*calls: Callable[[], Any]) -> list[Any]:
+    """What each of these calls returns, at the same time where kernels may use several threads.
+
+    Floating-point warnings are handled as in the calling thread. Of several exceptions, that of the
+    first call is raised.
+    """
+    if _backend.threads() == 1:
+        return [call() for call in calls]
+    with ThreadPoolExecutor(len(calls)) as executor:
+        return [f.result() for f in [executor.submit(copy_context().run, c) for c in calls]]
 
 
 def valid_components(vectors: Floats, covariances: Floats) -> Mask:

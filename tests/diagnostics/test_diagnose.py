@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+import trackmetrics
 from trackmetrics.diagnostics import VERDICTS, diagnose
 from trackmetrics.diagnostics.timeline import Timeline
 from trackmetrics.logs import EstimatorLog, State, read_log
@@ -330,3 +331,25 @@ def test_spans_have_the_digits_that_were_measured():
     assert line.at(1_452_556_800.25 + 70.98000002) == "70.98 s"
     assert line.at(1_452_556_860.25) == "60 s"
     assert line.duration(0.0012345) == "0.00123 s"
+
+
+def test_one_thread_and_several_find_the_same():
+    """NIS and NEES are judged at the same time where kernels may use several threads."""
+    rng = np.random.default_rng(5)
+    columns = {
+        "track": np.repeat(["a", "b", "c"], 60),
+        "nis": rng.chisquare(2, 180),
+        "nis_dof": 2.0,
+        "nees": rng.chisquare(4, 180),
+        "state_dim": 4,
+    }
+    columns["nis"][150:] *= 8
+    log = EstimatorLog.from_columns(**columns)
+    before, found = trackmetrics.threads(), []
+    try:
+        for count in (1, 2):
+            trackmetrics.set_threads(count)
+            found.append({name: track.to_dict() for name, track in diagnose(log).items()})
+    finally:
+        trackmetrics.set_threads(before)
+    assert str(found[0]) == str(found[1])

@@ -7,7 +7,7 @@ import numpy as np
 from trackmetrics import _deprecated
 from trackmetrics._angles import wrap
 from trackmetrics._check import number
-from trackmetrics._covariances import valid_components
+from trackmetrics._covariances import side_by_side, valid_components
 from trackmetrics.diagnostics import text
 from trackmetrics.diagnostics.angles import WrappingCheck, check_wrapping, find_radian_headings
 from trackmetrics.diagnostics.attribution import Attribution, attribute_nees
@@ -137,8 +137,10 @@ def diagnose(log: EstimatorLog, *, alpha: float = ALPHA) -> Diagnosis:
     if not 0 < number("alpha", alpha) <= MAX_ALPHA:
         raise ValueError(f"alpha must be above 0 and at most {MAX_ALPHA}, got {alpha!r}")
     tracks = [log.columns.take(log.rows(t)) for t in range(len(log.tracks))]
-    nis = _judged([_nis_trace(columns) for columns in tracks], alpha)
-    nees = _judged(nees_traces(tracks, alpha), alpha)
+    nis, nees = side_by_side(
+        lambda: _judged([_nis_trace(columns) for columns in tracks], alpha),
+        lambda: _judged(nees_traces(tracks, alpha), alpha),
+    )
     nothing = judge(segment_traces([no_trace()], alpha)[0], alpha)
     periods = component_periods(log.columns, log.states, log.measurement_angles)
     check, warnings = check_wrapping(log, periods), find_radian_headings(log)
@@ -250,10 +252,11 @@ def _with_innovations(
     if len(innovations) < MIN_UPDATES_FOR_BIAS:
         return nis, _InnovationFindings()
     biases = innovation_biases(innovations, alpha)
-    correlation = innovation_correlation(subtract_biases(innovations, biases))
+    clean = subtract_biases(innovations, biases)
+    correlation = innovation_correlation(clean)
     if biases and sign(correlation, alpha) > 0:
         biases = innovation_biases(innovations, alpha, variance_inflation(correlation))
-    clean = subtract_biases(innovations, biases)
+        clean = subtract_biases(innovations, biases)
     nis = judge_nis(nis, innovations, clean, biases, correlation, alpha)
     is_heavy_tailed = nis.segmented.outliers.is_heavy_tailed
     cause = probable_cause(nis.name, correlation, alpha, is_heavy_tailed)

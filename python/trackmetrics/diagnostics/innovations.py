@@ -62,7 +62,9 @@ def innovations_at(
 
 
 def subtract_biases(innovations: Innovations, biases: Sequence[Bias]) -> Innovations:
-    """The innovations minus the biases of their components."""
+    """The innovations minus the biases of their components; the same object where there is none."""
+    if not biases:
+        return innovations
     values = innovations.values.copy()
     for bias in biases:
         values[innovations.types == (bias.measurement_type or ""), bias.index] -= bias.value

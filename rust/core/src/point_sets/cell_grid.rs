@@ -100,10 +100,19 @@ impl Sorted {
     fn new(points: Points, grid: &Grid) -> Self {
         let d = points.dimension();
         let cells = points.coordinates().chunks_exact(d).map(|point| grid.cell(point));
-        let order = sorted(cells.zip(0..).collect(), grid.bits[LARGEST_DIMENSION]);
-        let places: Vec<u32> = order.iter().map(|(_, place)| *place).collect();
-        let coordinates = places.iter().flat_map(|&i| points.point(i as usize)).copied().collect();
-        Self { cells: order.into_iter().map(|(cell, _)| cell).collect(), places, coordinates }
+        let bits = grid.bits[LARGEST_DIMENSION];
+        let (cells, places): (Vec<i64>, Vec<u32>) = if bits <= u32::BITS {
+            // Half the memory: large sets are sorted at the speed of the memory.
+            let order = cells.zip(0..).map(|(cell, place)| (cell as u32, place)).collect();
+            sorted(order, bits).into_iter().map(|(cell, place)| (i64::from(cell), place)).unzip()
+        } else {
+            sorted(cells.zip(0..).collect(), bits).into_iter().unzip()
+        };
+        let mut coordinates = Vec::with_capacity(places.len() * d);
+        for &place in &places {
+            coordinates.extend_from_slice(points.point(place as usize));
+        }
+        Self { cells, places, coordinates }
     }
 }
 
@@ -117,10 +126,10 @@ fn range(points: Points, axis: usize) -> (f64, f64) {
 
 /// Sorts by cell, whose numbers have so many bits, one byte after the other: linear in the number
 /// of points.
-fn sorted(mut order: Vec<(i64, u32)>, bits: u32) -> Vec<(i64, u32)> {
-    let mut next = vec![(0, 0); order.len()];
+fn sorted<C: Copy + Default + Into<i64>>(mut order: Vec<(C, u32)>, bits: u32) -> Vec<(C, u32)> {
+    let mut next = vec![(C::default(), 0); order.len()];
     for shift in (0..bits).step_by(8) {
-        let digit = |cell: i64| (cell >> shift) as usize & 0xff;
+        let digit = |cell: C| (cell.into() >> shift) as usize & 0xff;
         let mut ends = [0; 256];
         order.iter().for_each(|(cell, _)| ends[digit(*cell)] += 1);
         let mut end = 0;
@@ -284,12 +293,15 @@ mod tests {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             ((state >> 40) % 40) as f64
         };
-        for d in 1..=4 {
+        // Cells far apart have numbers of more than 32 bits, which are sorted otherwise.
+        for (d, is_far) in (1..=4).flat_map(|d| [(d, false), (d, true)]) {
             let outlier = |values: &mut Vec<f64>, at: f64| values.extend(vec![at; d]);
             let mut x: Vec<f64> = (0..60 * d).map(|_| next()).collect();
             let mut y: Vec<f64> = (0..80 * d).map(|_| next()).collect();
-            outlier(&mut x, 1e13);
-            outlier(&mut y, -1e13);
+            if is_far {
+                outlier(&mut x, 1e13);
+                outlier(&mut y, -1e13);
+            }
             let (x, y) = (Points::new("X", &x, d).unwrap(), Points::new("Y", &y, d).unwrap());
             for c in [1.0, 5.0, 12.0, 100.0] {
                 let cutoff = Cutoff::new(c, 2.0).unwrap();
