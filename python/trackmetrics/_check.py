@@ -13,14 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
+from trackmetrics._covariance_rule import SYMMETRY, SYMMETRY_SINGLE
 from trackmetrics._tables.errors import value as shortened
 
 Floats = NDArray[np.float64]
-
-SYMMETRY = 1e-8
-"""Asymmetry, relative to the standard deviations, up to which a covariance is averaged."""
-SYMMETRY_SINGLE = 1e-3
-"""The same for a covariance of single precision."""
 
 
 def floats(argument: str, values: Any) -> Floats:

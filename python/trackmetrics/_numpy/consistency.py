@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors as messages
+from trackmetrics._covariance_rule import ldl, symmetrized
 from trackmetrics._numpy.arguments import Floats, plain
 
 Named = tuple[str, Floats]
@@ -114,43 +115,14 @@ def quadratic_forms(
         e = arrays[0] - arrays[1] if len(arrays) == 2 else arrays[0]
         if periods is not None:
             e = _wrapped(e, periods)
-        p, unequal = _symmetrized(covariances[1], symmetry)
-        forms, minors = _ldl(p, e)
+        p, unequal = symmetrized(covariances[1], symmetry)
+        forms, minors = ldl(p, e)
     invalid = _invalid(residuals, covariances[1], unequal, minors)
     if nan_where_invalid:
         forms[invalid] = np.nan
     elif invalid.any():
         raise _first_fault(residuals, covariances, unequal, minors)
     return forms
-
-
-def _ldl(p: Floats, e: Floats) -> tuple[Floats, NDArray[np.int64]]:
-    """The forms, and the first leading minor of each covariance that is not positive (or 0).
-
-    Right-looking: a finished column is subtracted from what is right of it. A pivot counts as
-    positive above the rounding error of the diagonal element it came from.
-    """
-    d = e.shape[-1]
-    lower, z = p.copy(), e.copy()
-    least = d * np.finfo(float).eps * np.diagonal(p, axis1=-2, axis2=-1)
-    forms, minors = np.zeros(e.shape[:-1]), np.zeros(p.shape[:-2], dtype=np.int64)
-    for j in range(d):
-        pivot = lower[..., j, j].copy()
-        minors[(minors == 0) & ~(pivot > least[..., j])] = j + 1
-        forms += z[..., j] * z[..., j] / pivot
-        factor = lower[..., j + 1 :, j] / pivot[..., None]
-        z[..., j + 1 :] -= factor * z[..., j, None]
-        lower[..., j + 1 :, j + 1 :] -= factor[..., :, None] * lower[..., None, j + 1 :, j]
-    return forms, minors
-
-
-def _symmetrized(p: Floats, symmetry: float) -> tuple[Floats, NDArray[np.bool_]]:
-    """The mean of the two triangles, and which elements below the diagonal differ by too much."""
-    above = np.swapaxes(p, -1, -2)
-    deviations = np.sqrt(np.abs(np.diagonal(p, axis1=-2, axis2=-1)))
-    bound = symmetry * deviations[..., :, None] * deviations[..., None, :]
-    unequal = np.tril(np.abs(above - p) > bound, -1)
-    return p + 0.5 * (above - p), unequal
 
 
 def _wrapped(e: Floats, periods: Floats) -> Floats:

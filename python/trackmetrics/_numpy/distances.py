@@ -3,10 +3,10 @@
 import numpy as np
 
 from trackmetrics import errors
+from trackmetrics._covariance_rule import SYMMETRY
 from trackmetrics._numpy.arguments import Floats, finite, plain, plain_points
 
 EARTH_RADIUS = 6_371_008.8
-SYMMETRY = 1e-8
 LARGEST = 1 << 24
 """Most pairs of points that the reference takes: it computes the matrix of all of them."""
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import errors
+from trackmetrics._covariance_rule import SYMMETRY
 from trackmetrics._numpy.arguments import Floats, plain
 from trackmetrics._numpy.consistency import quadratic_forms
 
@@ -74,7 +75,7 @@ def consistency_sums(
         p = np.where(measured[..., None, None], p, np.eye(e.shape[-1]))
     residuals = [("innovations", e)] if estimates is None else _named(truth, estimates)
     name = "innovation_covariances" if estimates is None else "covariances"
-    q = quadratic_forms(residuals, (name, p), 1, 1e-8, periods, False)
+    q = quadratic_forms(residuals, (name, p), 1, SYMMETRY, periods, False)
     q = np.where(measured, np.where(np.isnan(q), np.inf, q), np.nan)
     of_runs = np.concatenate([measured[..., None], q[..., None], e * e], -1)
     of_runs[~measured] = 0.0

@@ -3,7 +3,7 @@
 from typing import Any
 
 from trackmetrics import _backend, _check, _distributions, errors
-from trackmetrics._check import SYMMETRY
+from trackmetrics._covariance_rule import SYMMETRY
 from trackmetrics.errors import NotPlain
 from trackmetrics.results import ConsistencyResult
 

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from trackmetrics import _backend, _check, errors
-from trackmetrics._check import SYMMETRY, Floats
+from trackmetrics._check import Floats
+from trackmetrics._covariance_rule import SYMMETRY
 from trackmetrics.errors import NotPlain
 
 

@@ -5,7 +5,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics._covariances import for_blocks, row_blocks, surely_definite, to_unit_diagonal
+from trackmetrics._covariance_rule import SYMMETRY, failing_minors
+from trackmetrics._covariances import (
+    fill_missing_with_identity,
+    for_blocks,
+    row_blocks,
+    surely_definite,
+)
 from trackmetrics._tables.errors import value
 from trackmetrics.logs.columns import Columns, Floats, Integers, has_value
 from trackmetrics.logs.schema import (
@@ -142,7 +148,7 @@ def _check_symmetric(name: str, p: Floats, rows: Integers) -> None:
     if (p == transposed).all():
         return
     d = np.sqrt(np.abs(np.einsum("kii->ki", p)))
-    bad = np.abs(p - transposed) > 1e-8 * d[:, :, None] * d[:, None, :]
+    bad = np.abs(p - transposed) > SYMMETRY * d[:, :, None] * d[:, None, :]
     if bad.any():
         k, i, j = (int(v) for v in np.argwhere(bad)[0])
         raise ValueError(
@@ -152,19 +158,9 @@ def _check_symmetric(name: str, p: Floats, rows: Integers) -> None:
 
 def _check_definite(name: str, p: Floats, rows: Integers) -> None:
     doubtful = np.flatnonzero(~surely_definite(p))
-    for k, scaled in zip(doubtful.tolist(), to_unit_diagonal(p[doubtful]), strict=True):
-        minor = _failing_minor(scaled)
-        if minor:
-            raise np.linalg.LinAlgError(
-                f"{name}[{rows[k]}] is not positive definite (leading minor {minor})"
-            )
-
-
-def _failing_minor(matrix: Floats) -> int:
-    """Size of the first leading minor that is not positive; 0 if all are."""
-    for size in range(1, len(matrix) + 1):
-        try:
-            np.linalg.cholesky(matrix[:size, :size])
-        except np.linalg.LinAlgError:
-            return size
-    return 0
+    minors = failing_minors(fill_missing_with_identity(p[doubtful]))
+    if minors.any():
+        k = int(np.argmax(minors > 0))
+        raise np.linalg.LinAlgError(
+            f"{name}[{rows[doubtful[k]]}] is not positive definite (leading minor {minors[k]})"
+        )
