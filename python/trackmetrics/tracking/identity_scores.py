@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from trackmetrics.assignment import linear_sum_assignment
+from trackmetrics import _backend
 from trackmetrics.results import Result
 from trackmetrics.tracking.frames import TrackFrames
 from trackmetrics.tracking.protocols import Protocol, find_protocol
@@ -49,9 +47,10 @@ def identity_scores(
     ----------
     frames, similarity, threshold
         As in :func:`clear_mot`.
-    protocol : {"trackeval", "motmetrics"}
-        The implementation whose numbers are wanted. They differ in the rounding at the threshold
-        (a similarity of at least ``threshold``, or a distance ``1 - similarity`` of at most
+    protocol : {"trackeval", "motmetrics", "bernardin"}
+        The implementation whose numbers are wanted; the paper of CLEAR MOT has no identity scores,
+        and ``"bernardin"`` takes those of py-motmetrics. They differ in the rounding at the
+        threshold (a similarity of at least ``threshold``, or a distance ``1 - similarity`` of at most
         ``1 - threshold``) and in ratios without a denominator (0, or NaN).
 
     Returns
@@ -84,9 +83,17 @@ def identity_scores(
     0.6666666666666666
     """
     rules = find_protocol(protocol)
-    measure = pair_measure(frames, similarity, threshold)
-    idtp = _true_positives(measure, rules)
-    idfn, idfp = len(frames.truth) - idtp, len(frames.tracks) - idtp
+    return identity_scores_of(pair_measure(frames, similarity, threshold), rules)
+
+
+def identity_scores_of(measure: PairMeasure, rules: Protocol) -> IdentityScores:
+    """The identity scores of pairs that were found before."""
+    truth, tracks = measure.frames.truth, measure.frames.tracks
+    by_distance = rules.motp_is_distance
+    limit = measure.distance_threshold if by_distance else measure.similarity_threshold
+    kernel = _backend.kernels.identities
+    *_, idtp = kernel(truth.coded(), tracks.coded(), measure.pairs, by_distance, limit)
+    idfn, idfp = len(truth) - idtp, len(tracks) - idtp
     return IdentityScores(
         idf1=rules.ratio(idtp, idtp + idfp / 2 + idfn / 2),
         idp=rules.ratio(idtp, idtp + idfp),
@@ -95,17 +102,3 @@ def identity_scores(
         idfn=idfn,
         idfp=idfp,
     )
-
-
-def _true_positives(measure: PairMeasure, rules: Protocol) -> int:
-    truth, tracks = measure.frames.truth, measure.frames.tracks
-    together = np.zeros((len(truth.names), len(tracks.names)))
-    for t, rows, columns in measure.frames.slices():
-        if rules.motp_is_distance:
-            near = np.isfinite(measure.distances(t, rows, columns))
-        else:
-            near = measure.similarities(t, rows, columns) >= measure.similarity_threshold
-        together[np.ix_(truth.ids[rows], tracks.ids[columns])] += near
-    if not together.size:
-        return 0
-    return int(together[linear_sum_assignment(together, maximize=True)].sum())

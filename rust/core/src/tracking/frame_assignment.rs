@@ -200,9 +200,7 @@ impl FrameAssignment {
             best[column as usize].take(objective.cost(value), k);
         }
         taken.fill(NONE);
-        let present = |column: &&Best| column.candidate != NONE || column.second < column.least;
-        for column in best.iter().filter(present) {
-            // The rows are few: a search by halves.
+        for column in best.iter().filter(|column| column.candidate != NONE) {
             let k = column.candidate as usize;
             let row = candidates.starts.partition_point(|&start| start <= k) - 1;
             if !column.is_clear(margin) || taken[row] != NONE {
