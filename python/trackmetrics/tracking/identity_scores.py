@@ -50,8 +50,8 @@ def identity_scores(
     protocol : {"trackeval", "motmetrics", "bernardin"}
         The implementation whose numbers are wanted; the paper of CLEAR MOT has no identity scores,
         and ``"bernardin"`` takes those of py-motmetrics. They differ in the rounding at the
-        threshold (a similarity of at least ``threshold``, or a distance ``1 - similarity`` of at most
-        ``1 - threshold``) and in ratios without a denominator (0, or NaN).
+        threshold (a similarity of at least ``threshold``, or a distance ``1 - similarity`` of at
+        most ``1 - threshold``) and in ratios without a denominator (0, or NaN).
 
     Returns
     -------

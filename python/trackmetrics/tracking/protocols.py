@@ -8,8 +8,8 @@ MOT metrics", EURASIP J. Image and Video Processing, 2008, doi:10.1155/2008/2463
 2. the other targets get tracks one to one, at the least total distance of pairs within the
    threshold; a pair that contradicts an earlier mapping replaces it, and is a mismatch.
 
-What it leaves open is taken from where it was first answered: with two targets that were both mapped
-to one track, the first in the order of the rows keeps it, and there are as many new pairs as possible
+What it leaves open is taken from where it was first answered: of two targets that were both mapped
+to one track the first in the order of the rows keeps it, and there are as many new pairs as can be
 (py-motmetrics); mostly tracked, mostly lost and fragmentations are those of Li, Huang and Nevatia,
 "Learning to associate: HybridBoosted multi-target tracker for crowded scene", CVPR 2009,
 doi:10.1109/CVPR.2009.5206735.
@@ -123,7 +123,7 @@ PROTOCOLS = {
         source="Bernardin and Stiefelhagen, 2008, section 2.1.2",
         sources={
             "forgets": "section 2.1.2, steps 1 and 2: the mappings made up to the last frame",
-            "most_similar": "section 2.1.2, step 1 before step 2; as many as possible: py-motmetrics",
+            "most_similar": "section 2.1.2, step 1 before step 2; most pairs: py-motmetrics",
             "tolerance": "section 2.1.1: a distance that does not exceed the threshold",
             "edge_is_mostly_tracked": "Li, Huang and Nevatia, 2009: more than 80 %",
             "own_frames": "Li, Huang and Nevatia, 2009: interruptions of a true trajectory",
@@ -138,6 +138,7 @@ PROTOCOLS = {
 def find_protocol(name: str) -> Protocol:
     """The protocol of that name."""
     if name not in PROTOCOLS:
-        expected = " or ".join(map(repr, PROTOCOLS))
+        *most, last = map(repr, PROTOCOLS)
+        expected = f"{', '.join(most)} or {last}"
         raise ValueError(f"protocol must be {expected}, got {name!r}")
     return PROTOCOLS[name]

@@ -1,8 +1,8 @@
 //! The assignment of one frame from its candidate pairs, with the pairs that SciPy's
 //! `linear_sum_assignment` finds on the whole matrix.
 //!
-//! Most frames are solved at a glance: where each row's best candidate is nobody else's (or each
-//! column's), no other matching is as good. Otherwise the sparse solver finds an optimum and says
+//! Most frames are solved at a glance: where each row's best candidate is nobody else's, or where pairs
+//! that gain more than their rivals leave nothing over, no other matching is as good. Otherwise the sparse solver finds an optimum and says
 //! whether it is the only one. Where it is not, within rounding, the whole matrix is solved in SciPy's
 //! order, so that ties fall as they do there.
 //!
@@ -61,24 +61,27 @@ pub(super) struct FrameAssignment {
     places: Vec<u32>,
     /// Of each row, the candidate taken.
     taken: Vec<u32>,
+    /// Of each column.
     best: Vec<Best>,
+    best_of_row: Vec<Best>,
     shifted: sparse::Pairs,
     matrix: Vec<f64>,
     dense: dense::Workspace,
 }
 
-/// The lowest and the second lowest cost of a column, and the candidate of the lowest.
+/// The lowest and the second lowest cost of a row or column, and the candidate of the lowest.
 #[derive(Debug, Clone, Copy)]
 struct Best {
     least: f64,
     second: f64,
     candidate: u32,
+    is_taken: bool,
 }
 
 impl Best {
     #[inline(always)]
     fn new(alone: f64) -> Self {
-        Self { least: alone, second: alone, candidate: NONE }
+        Self { least: alone, second: alone, candidate: NONE, is_taken: false }
     }
 
     #[inline(always)]
@@ -151,7 +154,7 @@ impl FrameAssignment {
         self.taken.resize(self.candidates.starts.len() - 1, NONE);
         if self.is_empty()
             || self.rows_do_not_compete(columns, objective, margin)
-            || self.columns_do_not_compete(columns, objective, margin)
+            || self.pairs_without_rivals(columns, objective, margin)
             || self.solve_sparse(columns, objective, interrupt)?
         {
             return Ok(());
@@ -186,29 +189,42 @@ impl FrameAssignment {
         true
     }
 
-    /// Whether each column's best candidate is clearly its best, and of a row of its own.
-    fn columns_do_not_compete(
-        &mut self,
-        columns: usize,
-        objective: Objective,
-        margin: f64,
-    ) -> bool {
-        let Self { candidates, taken, best, .. } = self;
+    /// Whether pairs that gain more than all their rivals together leave no candidate over.
+    ///
+    /// Whoever leaves such a pair out gives its row and its column at most their second bests, and
+    /// loses: every optimum holds it.
+    fn pairs_without_rivals(&mut self, columns: usize, objective: Objective, margin: f64) -> bool {
+        let Self { candidates, taken, best, best_of_row, .. } = self;
+        let alone = objective.alone();
         best.clear();
-        best.resize(columns, Best::new(objective.alone()));
-        for (k, (&column, &value)) in candidates.columns.iter().zip(&candidates.costs).enumerate() {
-            best[column as usize].take(objective.cost(value), k);
-        }
-        taken.fill(NONE);
-        for column in best.iter().filter(|column| column.candidate != NONE) {
-            let k = column.candidate as usize;
-            let row = candidates.starts.partition_point(|&start| start <= k) - 1;
-            if !column.is_clear(margin) || taken[row] != NONE {
-                return false;
+        best.resize(columns, Best::new(alone));
+        best_of_row.clear();
+        for range in candidates.starts.windows(2) {
+            let mut own = Best::new(alone);
+            for k in range[0]..range[1] {
+                let cost = objective.cost(candidates.costs[k]);
+                own.take(cost, k);
+                best[candidates.columns[k] as usize].take(cost, k);
             }
-            taken[row] = column.candidate;
+            best_of_row.push(own);
         }
-        true
+        for (taken, own) in taken.iter_mut().zip(&*best_of_row) {
+            *taken = NONE;
+            if own.candidate == NONE {
+                continue;
+            }
+            let column = &mut best[candidates.columns[own.candidate as usize] as usize];
+            let rival = alone - column.second;
+            if column.candidate == own.candidate && own.second - own.least - rival > margin {
+                *taken = own.candidate;
+                column.is_taken = true;
+            }
+        }
+        let mut rows = candidates.starts.windows(2).zip(&*taken);
+        rows.all(|(range, &taken)| {
+            let mut columns = candidates.columns[range[0]..range[1]].iter();
+            taken != NONE || columns.all(|&column| best[column as usize].is_taken)
+        })
     }
 
     /// Finds an optimum; returns whether it is the only one.

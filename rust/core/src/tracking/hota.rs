@@ -168,7 +168,7 @@ struct Tally {
 impl Tally {
     #[inline]
     fn add(&mut self, meeting: u32, similarity: f64, thresholds: &[f64]) {
-        let level = thresholds.iter().take_while(|&&least| similarity >= least).count();
+        let level = thresholds.iter().filter(|&&least| similarity >= least).count();
         self.matched.push((meeting, level as u32));
         self.sums[level] += similarity;
     }
@@ -183,7 +183,8 @@ impl Tally {
             recall: zeros(),
             precision: zeros(),
         };
-        self.matched.sort_unstable();
+        let by_level = sorted_by(&self.matched, thresholds + 1, |pair| pair.1);
+        self.matched = sorted_by(&by_level, meetings.len(), |pair| pair.0);
         let mut target = 0;
         for group in self.matched.chunk_by(|a, b| a.0 == b.0) {
             let meeting = group[0].0 as usize;
@@ -207,6 +208,20 @@ impl Tally {
         }
         scores
     }
+}
+
+/// The pairs in the order of a key below `keys`; those of the same key keep their order.
+fn sorted_by(pairs: &[(u32, u32)], keys: usize, key: fn(&(u32, u32)) -> u32) -> Vec<(u32, u32)> {
+    let mut places = vec![0usize; keys + 1];
+    pairs.iter().for_each(|pair| places[key(pair) as usize + 1] += 1);
+    (0..keys).for_each(|k| places[k + 1] += places[k]);
+    let mut sorted = vec![(0, 0); pairs.len()];
+    for pair in pairs {
+        let place = &mut places[key(pair) as usize];
+        sorted[*place] = *pair;
+        *place += 1;
+    }
+    sorted
 }
 
 impl Hota {
