@@ -118,7 +118,7 @@ def test_kernels_agree_on_distances_that_tie(frames):
 def test_kernels_agree_on_matrices(frames, random):
     levels = (0.0, 0.3, 0.5, np.nextafter(0.5, 0), 0.5 - 2**-40, 0.75, 1.0, np.nan)
     sizes = zip(np.diff(frames.truth.starts), np.diff(frames.tracks.starts), strict=True)
-    matrices = [np.reshape(random.choices(levels, k=n * m), (n, m)) for n, m in sizes]
+    matrices = [np.reshape(random.choices(levels, k=int(n * m)), (n, m)) for n, m in sizes]
     assert_kernels_agree(frames, matrices)
     assert_kernels_agree(frames, matrices, threshold=1e-17)
 
@@ -246,6 +246,5 @@ NO_PAIRS = np.zeros(3, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty(0)
 )
 def test_arrays_that_do_not_fit_are_refused(side, pairs, message):
     for backend in BACKENDS:
-        with use_backend(backend):
-            with pytest.raises(ValueError, match=message):
-                _backend.kernels.hota(side, SIDE, pairs, ALPHAS)
+        with use_backend(backend), pytest.raises(ValueError, match=message):
+            _backend.kernels.hota(side, SIDE, pairs, ALPHAS)
