@@ -123,7 +123,7 @@ def test_kernels_agree_on_matrices(frames, random):
     assert_kernels_agree(frames, matrices, threshold=1e-17)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("places", [0, 1, np.inf])
 def test_kernels_agree_in_a_crowd(seed, places):
     """Rows of more than eight similar pairs: sums in NumPy's order decide the ties."""

@@ -35,7 +35,7 @@ class Event(IntFlag):
 class Matches:
     """The matched pairs of a sequence, one element for each truth row.
 
-    A truth row without a partner is a miss, a track row that is nobody's partner a false alarm.
+    A truth row without a partner is a miss, a track row without one a false alarm.
     """
 
     partners: Codes

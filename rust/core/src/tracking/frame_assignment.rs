@@ -1,7 +1,7 @@
 //! The assignment of one frame from its candidate pairs, with the pairs that SciPy's
 //! `linear_sum_assignment` finds on the whole matrix.
 //!
-//! Most frames are solved at a glance: where each row's best candidate is nobody else's, or where pairs
+//! Most frames are solved at a glance: where each row's best candidate is best for no other row, or where pairs
 //! that gain more than their rivals leave nothing over, no other matching is as good. Otherwise the sparse solver finds an optimum and says
 //! whether it is the only one. Where it is not, within rounding, the whole matrix is solved in SciPy's
 //! order, so that ties fall as they do there.
