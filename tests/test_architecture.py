@@ -17,7 +17,7 @@ LAYERS = (
     ("_version", "_deprecated", "errors", "results"),
     (
         *("_numpy", "_native", "_backend", "_check", "_angles", "_covariances"),
-        *("_distributions", "_format", "_progress", "_tables"),
+        *("_distributions", "_format", "_progress", "_similarity", "_tables"),
     ),
     ("accuracy", "assignment", "point_sets", "trajectories", "consistency", "logs", "tracks"),
     ("tracking", "diagnostics", "monte_carlo"),
