@@ -107,10 +107,10 @@ fn agreement(
         }
     }
     for (target, range) in meetings.starts.windows(2).enumerate() {
-        for meeting in range[0]..range[1] {
-            let track = meetings.tracks[meeting] as usize;
-            let rows = (rows_of_ids[0][target] + rows_of_ids[1][track]) as f64;
-            shared[meeting] /= rows - shared[meeting];
+        let range = range[0]..range[1];
+        for (shared, &track) in shared[range.clone()].iter_mut().zip(&meetings.tracks[range]) {
+            let rows = (rows_of_ids[0][target] + rows_of_ids[1][track as usize]) as f64;
+            *shared /= rows - *shared;
         }
     }
     Ok(shared)
