@@ -129,6 +129,7 @@ def machine() -> dict[str, object]:
         "lapx",
         "stonesoup",
         "motmetrics",
+        "motrics",
         "trackeval",
         "filterpy",
     ]

@@ -18,8 +18,7 @@ LAYERS = (
     ("_version", "_deprecated", "errors", "results"),
     (
         *("_numpy", "_native", "_backend", "_check", "_angles", "_covariances"),
-        "_covariance_rule",
-        *("_distributions", "_format", "_progress", "_tables"),
+        *("_covariance_rule", "_distributions", "_format", "_progress", "_similarity", "_tables"),
     ),
     ("accuracy", "assignment", "point_sets", "trajectories", "consistency", "logs", "tracks"),
     ("tracking", "diagnostics", "monte_carlo"),

@@ -202,3 +202,31 @@ def vessel_predict(
     times: NDArray[np.float64],
     motion: tuple[float, float, float, float],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+
+_Codes = NDArray[np.int64]
+_Floats = NDArray[np.float64]
+_SideColumns = tuple[_Codes, _Codes, int]
+_PairColumns = tuple[_Codes, _Codes, _Floats, _Floats]
+
+def box_pairs(
+    truth: _Floats, tracks: _Floats, truth_starts: _Codes, track_starts: _Codes, keep_all: bool
+) -> _PairColumns: ...
+def clear_mot(
+    truth: _SideColumns,
+    tracks: _SideColumns,
+    pairs: _PairColumns,
+    rules: tuple[bool, bool, bool],
+    limit: float,
+) -> tuple[_Codes, _Floats, _Codes, _Codes, float]: ...
+def hota(
+    truth: _SideColumns, tracks: _SideColumns, pairs: _PairColumns, thresholds: _Floats
+) -> tuple[_Codes, _Floats, _Floats, _Floats, _Floats]: ...
+def identities(
+    truth: _SideColumns, tracks: _SideColumns, pairs: _PairColumns, by_distance: bool, limit: float
+) -> tuple[_Codes, _Codes, _Codes, _Codes, int]: ...
+def matrix_pairs(
+    matrices: _Floats, truth_starts: _Codes, track_starts: _Codes, keep_all: bool
+) -> _PairColumns: ...
+def position_pairs(
+    truth: _Floats, tracks: _Floats, truth_starts: _Codes, track_starts: _Codes, threshold: float
+) -> _PairColumns: ...

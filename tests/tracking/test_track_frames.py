@@ -78,7 +78,10 @@ def test_wrong_columns_are_refused(changes, message):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"protocol": "mota"}, r"protocol must be 'trackeval' or 'motmetrics', got 'mota'"),
+        (
+            {"protocol": "mota"},
+            r"protocol must be 'trackeval', 'motmetrics' or 'bernardin', got 'mota'",
+        ),
         ({"similarity": "giou"}, r"similarity must be 'iou', 'euclidean' or a matrix"),
         ({"threshold": 1.5}, r"threshold must be above 0 and at most 1, got 1.5"),
         ({"similarity": "euclidean", "threshold": np.inf}, r"threshold must be a finite distance"),

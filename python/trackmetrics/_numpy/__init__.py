@@ -18,6 +18,9 @@ from trackmetrics._numpy.assignment import (
     linear_sum_assignment,
     linear_sum_assignment_batch,
 )
+from trackmetrics._numpy.clear_mot import (
+    clear_mot,
+)
 from trackmetrics._numpy.consistency import (
     credibility_interval,
     mean_statistic,
@@ -37,6 +40,10 @@ from trackmetrics._numpy.diagnostics import (
 from trackmetrics._numpy.distances import (
     mahalanobis_distances,
     point_distances,
+)
+from trackmetrics._numpy.identities import (
+    hota,
+    identities,
 )
 from trackmetrics._numpy.monte_carlo import (
     consistency_sums,
@@ -60,6 +67,11 @@ from trackmetrics._numpy.settings import (
     set_threads,
     simd,
     threads,
+)
+from trackmetrics._numpy.similar_pairs import (
+    box_pairs,
+    matrix_pairs,
+    position_pairs,
 )
 from trackmetrics._numpy.tracking import (
     identity_switches,
@@ -85,6 +97,8 @@ __all__ = [
     "auction",
     "best_split_gains",
     "bottleneck_assignment",
+    "box_pairs",
+    "clear_mot",
     "consistency_sums",
     "credibility_interval",
     "estimation_error_bounds",
@@ -93,10 +107,13 @@ __all__ = [
     "gospa_from_distances",
     "gospa_over_time",
     "histograms",
+    "hota",
+    "identities",
     "identity_switches",
     "linear_sum_assignment",
     "linear_sum_assignment_batch",
     "mahalanobis_distances",
+    "matrix_pairs",
     "mean_statistic",
     "monte_carlo_rmse",
     "mot_metrics",
@@ -112,6 +129,7 @@ __all__ = [
     "ospa_from_distances",
     "ospa_over_time",
     "point_distances",
+    "position_pairs",
     "position_rmse",
     "rmse",
     "run_sums",

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _check, errors
+from trackmetrics._similarity import euclidean_distances
 from trackmetrics.tracking.frames import FrameColumns, TrackFrames
-from trackmetrics.tracking.similarity import euclidean_distances
 
 Codes = NDArray[np.int64]
 Floats = NDArray[np.float64]

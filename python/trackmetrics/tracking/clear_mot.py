@@ -1,4 +1,4 @@
-"""CLEAR MOT with the rules of TrackEval or of py-motmetrics."""
+"""CLEAR MOT with the rules of TrackEval, of py-motmetrics or of the paper."""
 
 import math
 from collections.abc import Sequence
@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trackmetrics.results import Result
 from trackmetrics.tracking.frames import TrackFrames, as_frames
-from trackmetrics.tracking.protocols import Matches, Protocol, find_protocol, match
-from trackmetrics.tracking.similarity import pair_measure
+from trackmetrics.tracking.matches import Event, Matches, match
+from trackmetrics.tracking.protocols import Protocol, find_protocol
+from trackmetrics.tracking.similarity import PairMeasure, pair_measure
 from trackmetrics.tracks import TrackTable
-
-Codes = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class CLEARMOT(Result):
     """Accuracy ``1 - (fn + fp + idsw) / (tp + fn)``: 1 is best, and it has no lower bound."""
     motp: float
     """Mean over the pairs: similarity in [0, 1], 1 is best (``"trackeval"``), or distance in its
-    unit, 0 is best (``"motmetrics"``)."""
+    unit, 0 is best (the others)."""
     moda: float
     """Accuracy without switches ``1 - (fn + fp) / (tp + fn)``: 1 is best."""
     precision: float
@@ -104,8 +102,8 @@ def clear_mot(
     threshold : float
         Least similarity of a pair; for ``"euclidean"`` its largest distance, in the unit of the
         positions. A pair at the threshold counts.
-    protocol : {"trackeval", "motmetrics"}
-        The implementation whose numbers are wanted; see Notes.
+    protocol : {"trackeval", "motmetrics", "bernardin"}
+        The implementation whose numbers are wanted, or the paper; see Notes.
 
     Returns
     -------
@@ -123,7 +121,9 @@ def clear_mot(
     Notes
     -----
     ``"trackeval"`` gives the numbers of TrackEval 1.3.0, ``"motmetrics"`` those of py-motmetrics
-    1.4.0. The rules in which they differ are fields of ``trackmetrics.tracking.PROTOCOLS``:
+    1.4.0, and ``"bernardin"`` the definition of the paper below, with the conventions of its
+    successors where it has none. The rules in which they differ are fields of
+    ``trackmetrics.tracking.PROTOCOLS``, each with its source:
     continuation, objective of the assignment, edge of mostly tracked, fragmentation, threshold
     rounding, direction of MOTP and empty sides. With TrackEval's rules the Euclidean similarity is
     ``max(0, 1 - d / (2 * threshold))``, so that its threshold is 0.5. Where a sequence has no truth
@@ -150,69 +150,46 @@ def clear_mot(
     0.16666666666666666
     """
     rules = find_protocol(protocol)
-    measure = pair_measure(as_frames(frames, tracks), similarity, threshold)
+    return clear_mot_of(pair_measure(as_frames(frames, tracks), similarity, threshold), rules)
+
+
+def clear_mot_of(measure: PairMeasure, rules: Protocol) -> CLEARMOT:
+    """CLEAR MOT of pairs that were found before."""
     return clear_of_matches(measure.frames, match(measure, rules), rules)
 
 
 def clear_of_matches(frames: TrackFrames, matches: Matches, rules: Protocol) -> CLEARMOT:
-    """CLEAR MOT of matched pairs."""
+    """Counts and ratios of the matches of a sequence."""
     counts = _counts(frames, matches, rules)
-    transfers = _transfers(frames, matches) if rules.transfers else (math.nan,) * 3
-    total = float(matches.values.sum())
+    transfers = (matches.count(event) for event in (Event.TRANSFER, Event.ASCEND, Event.MIGRATE))
+    transfer, ascend, migrate = transfers if rules.transfers else (math.nan,) * 3
     return CLEARMOT(
-        **_ratios(counts, len(frames.truth.names), total, rules),
+        **_ratios(counts, len(frames.truth.names), matches.total, rules),
         **counts,
-        motp_sum=total,
+        motp_sum=matches.total,
         fp_per_frame=counts["fp"] / len(frames) if len(frames) else math.nan,
         frames=len(frames),
-        transfers=transfers[0],
-        ascends=transfers[1],
-        migrates=transfers[2],
+        transfers=transfer,
+        ascends=ascend,
+        migrates=migrate,
     )
 
 
 def _counts(frames: TrackFrames, matches: Matches, rules: Protocol) -> dict[str, int]:
-    truth, tp = frames.truth, len(matches.values)
-    switch, fragment = switches_and_fragments(frames, matches, rules)
-    matched = np.bincount(truth.ids[matches.truth_rows], minlength=len(truth.names))
-    share = matched / np.bincount(truth.ids, minlength=len(truth.names))
+    truth, tp = frames.truth, int(matches.matched.sum())
+    share = matches.matched / np.bincount(truth.ids, minlength=len(truth.names))
     mt = int((share >= 0.8 if rules.edge_is_mostly_tracked else share > 0.8).sum())
     pt = int((share >= 0.2).sum()) - mt
     return {
         "tp": tp,
         "fn": len(truth) - tp,
         "fp": len(frames.tracks) - tp,
-        "idsw": int(switch.sum()),
-        "frag": int(fragment.sum()),
+        "idsw": matches.count(Event.SWITCH),
+        "frag": matches.count(Event.FRAGMENTATION),
         "mt": mt,
         "pt": pt,
         "ml": len(truth.names) - mt - pt,
     }
-
-
-def switches_and_fragments(
-    frames: TrackFrames, matches: Matches, rules: Protocol
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which pairs are with another track than the target's last pair; which follow a gap."""
-    targets = frames.truth.ids[matches.truth_rows]
-    order = np.lexsort((matches.truth_rows, targets))
-    same = np.diff(targets[order]) == 0
-    partners = frames.tracks.ids[matches.track_rows[order]]
-    steps = np.diff(_clock(frames, rules)[matches.truth_rows[order]])
-    switch, fragment = np.zeros((2, len(order)), dtype=np.bool_)
-    switch[order[1:]] = same & (np.diff(partners) != 0)
-    fragment[order[1:]] = same & (steps != 1)
-    return switch, fragment
-
-
-def transferred(frames: TrackFrames, matches: Matches) -> NDArray[np.bool_]:
-    """Which newly assigned pairs are with another target than the track's last assigned pair."""
-    targets, tracks = frames.truth.ids[matches.truth_rows], frames.tracks.ids[matches.track_rows]
-    times = np.searchsorted(frames.truth.starts, matches.truth_rows, side="right")
-    assigned = np.flatnonzero(~matches.continued)
-    found = np.zeros(len(targets), dtype=np.bool_)
-    found[assigned] = _changed(tracks[assigned], targets[assigned], times[assigned])
-    return found
 
 
 def combine_clear(results: Sequence[CLEARMOT], rules: Protocol) -> CLEARMOT:
@@ -232,50 +209,6 @@ def combine_clear(results: Sequence[CLEARMOT], rules: Protocol) -> CLEARMOT:
 
 
 _COUNTS = ("tp", "fn", "fp", "idsw", "frag", "mt", "pt", "ml")
-
-
-def _clock(frames: TrackFrames, rules: Protocol) -> Codes:
-    """For each truth row a number; matched rows of a target are consecutive where it rises by 1."""
-    truth = frames.truth
-    if not rules.own_frames:
-        both = (np.diff(truth.starts) > 0) & (np.diff(frames.tracks.starts) > 0)
-        return np.repeat(np.cumsum(both), np.diff(truth.starts)).astype(np.int64)
-    clock = np.empty(len(truth), dtype=np.int64)
-    clock[np.argsort(truth.ids, kind="stable")] = np.arange(len(truth))
-    return clock
-
-
-def _transfers(frames: TrackFrames, matches: Matches) -> tuple[int, int, int]:
-    """Transfers, ascends and migrates. A continued pair is none of them, and the target that a
-    track was last assigned to is not changed by it."""
-    targets, tracks = frames.truth.ids[matches.truth_rows], frames.tracks.ids[matches.track_rows]
-    times = np.searchsorted(frames.truth.starts, matches.truth_rows, side="right")
-    assigned = np.flatnonzero(~matches.continued)
-    transfer = _changed(tracks[assigned], targets[assigned], times[assigned])
-    switch = _changed(targets, tracks, times)
-    new_target, new_track = _is_first(targets, times), _is_first(tracks, times)
-    return (
-        int(transfer.sum()),
-        int((switch & new_track).sum()),
-        int((transfer & new_target[assigned]).sum()),
-    )
-
-
-def _changed(keys: Codes, values: Codes, times: Codes) -> NDArray[np.bool_]:
-    """Whether an element's value differs from that of the element before with the same key."""
-    order = np.lexsort((times, keys))
-    changed = np.zeros(len(keys), dtype=np.bool_)
-    same = np.diff(keys[order]) == 0
-    changed[order[1:]] = same & (np.diff(values[order]) != 0)
-    return changed
-
-
-def _is_first(keys: Codes, times: Codes) -> NDArray[np.bool_]:
-    """Whether an element is the earliest of its key."""
-    order = np.lexsort((times, keys))
-    first = np.zeros(len(keys), dtype=np.bool_)
-    first[order] = np.diff(keys[order], prepend=-1) != 0
-    return first
 
 
 def _ratios(counts: dict[str, int], targets: int, total: float, rules: Protocol) -> dict[str, Any]:

@@ -18,16 +18,15 @@ from trackmetrics.tracking.frames import TrackFrames
 from trackmetrics.tracking.hota import HOTA, combine_hota, hota_of
 from trackmetrics.tracking.identity_scores import (
     IdentityScores,
-    identity_of,
     identity_of_counts,
+    identity_scores_of,
 )
-from trackmetrics.tracking.protocols import PROTOCOLS, find_protocol, match
+from trackmetrics.tracking.matches import match
+from trackmetrics.tracking.protocols import PROTOCOLS, find_protocol
 from trackmetrics.tracking.similarity import PairMeasure, pair_measure
 from trackmetrics.tracks import TrackTable
 
 METRICS = ("clear", "identity", "hota")
-_KEPT_CELLS = 50_000_000
-"""Pairs whose similarity is kept; of longer sequences it is computed once for each family."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,23 +100,6 @@ def _plain(columns: Columns) -> dict[str, list[Any]]:
     return {n: (c.astype(str) if c.dtype.kind in "mM" else c).tolist() for n, c in columns.items()}
 
 
-@dataclass(frozen=True, eq=False)
-class KeptMeasure(PairMeasure):
-    """A measure that compares the pairs of a frame once."""
-
-    kept: dict[int, NDArray[np.float64]] = field(default_factory=dict)
-
-    def _distances(self, rows: slice, columns: slice) -> NDArray[np.float64]:
-        if rows.start not in self.kept:
-            self.kept[rows.start] = super()._distances(rows, columns)
-        return self.kept[rows.start]
-
-    def _similarities(self, t: int, rows: slice, columns: slice) -> NDArray[np.float64]:
-        if rows.start not in self.kept:
-            self.kept[rows.start] = super()._similarities(t, rows, columns)
-        return self.kept[rows.start]
-
-
 def evaluate(
     truth: TrackTable | TrackFrames,
     tracks: TrackTable | None = None,
@@ -169,19 +151,18 @@ def evaluate(
     else:
         frames = TrackFrames.from_tables(truth, tracks, times=times)  # type: ignore[arg-type]
     measure = pair_measure(frames, similarity, threshold)
-    if np.diff(frames.truth.starts) @ np.diff(frames.tracks.starts) <= _KEPT_CELLS:
-        measure = KeptMeasure(measure.frames, measure.kind, measure.threshold, measure.columns)
     matches = match(measure, rules)
-    distances = matches.values if rules.motp_is_distance else _distances(measure, matches.values)
+    values = matches.values[matches.truth_rows]
+    distances = values if rules.motp_is_distance else _distances(measure, values)
     return Evaluation(
         protocol,
         float(threshold),
         clear_of_matches(frames, matches, rules) if "clear" in metrics else None,
-        identity_of(measure, rules) if "identity" in metrics else None,
+        identity_scores_of(measure, rules) if "identity" in metrics else None,
         hota_of(measure) if "hota" in metrics else None,
-        objects=object_rows(frames, matches, rules, distances),
+        objects=object_rows(frames, matches, distances),
         tracks=track_rows(frames, matches),
-        events=event_log(frames, matches, rules, distances),
+        events=event_log(frames, matches, distances),
     )
 
 

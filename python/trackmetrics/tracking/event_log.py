@@ -5,25 +5,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.tracking.clear_mot import switches_and_fragments, transferred
 from trackmetrics.tracking.frames import FrameColumns, TrackFrames
-from trackmetrics.tracking.protocols import Matches, Protocol
+from trackmetrics.tracking.matches import Event, Matches
 
 Columns = dict[str, NDArray[Any]]
 EVENTS = ("match", "miss", "false alarm", "switch", "transfer", "fragmentation")
 
 
-def event_log(
-    frames: TrackFrames, matches: Matches, rules: Protocol, distances: NDArray[np.float64]
-) -> Columns:
+def event_log(frames: TrackFrames, matches: Matches, distances: NDArray[np.float64]) -> Columns:
     """time, truth, track, event and distance of every event, in the order of time."""
     truth, tracks = frames.truth, frames.tracks
-    switch, fragment = switches_and_fragments(frames, matches, rules)
-    pairs = [
-        np.arange(len(distances)),
-        *map(np.flatnonzero, (switch, transferred(frames, matches))),
-    ]
-    pairs.append(np.flatnonzero(fragment))
+    of_interest = (Event.SWITCH, Event.TRANSFER, Event.FRAGMENTATION)
+    pairs = [np.arange(len(distances)), *(np.flatnonzero(matches.has(e)) for e in of_interest)]
     missed = np.setdiff1d(np.arange(len(truth)), matches.truth_rows)
     false = np.setdiff1d(np.arange(len(tracks)), matches.track_rows)
     paired = np.concatenate(pairs)
@@ -81,13 +74,11 @@ def _distinct(keys: NDArray[Any], values: NDArray[Any], n: int) -> tuple[Any, An
     return np.bincount(pairs[0], minlength=n), most
 
 
-def object_rows(
-    frames: TrackFrames, matches: Matches, rules: Protocol, distances: NDArray[np.float64]
-) -> Columns:
+def object_rows(frames: TrackFrames, matches: Matches, distances: NDArray[np.float64]) -> Columns:
     """A row for each truth object."""
     ids, n = frames.truth.ids[matches.truth_rows], len(frames.truth.names)
     partners = frames.tracks.ids[matches.track_rows]
-    switch, _ = switches_and_fragments(frames, matches, rules)
+    switch = matches.has(Event.SWITCH)
     found = _spans(frames, frames.truth)
     matched = np.bincount(ids, minlength=n)
     squares = np.bincount(ids, weights=distances**2, minlength=n)

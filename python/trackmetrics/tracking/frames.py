@@ -33,6 +33,10 @@ class FrameColumns:
     def __len__(self) -> int:
         return len(self.ids)
 
+    def coded(self) -> tuple[Codes, Codes, int]:
+        """Codes, starts and number of ids, as kernels take them."""
+        return self.ids, self.starts, len(self.names)
+
     def centres(self, argument: str) -> Floats:
         """The positions; without them the centres of the boxes."""
         if self.positions is not None:

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.assignment import linear_sum_assignment
+from trackmetrics import _backend
+from trackmetrics._similarity import EPS
 from trackmetrics.results import Result
 from trackmetrics.tracking.frames import TrackFrames, as_frames
-from trackmetrics.tracking.similarity import EPS, PairMeasure, pair_measure
+from trackmetrics.tracking.similarity import PairMeasure, pair_measure
 from trackmetrics.tracks import TrackTable
 
 Codes = NDArray[np.int64]
@@ -116,7 +117,7 @@ def hota(
     -----
     The numbers are those of TrackEval 1.3.0, whose authors defined the score; other than with CLEAR
     MOT there are no two sets of rules. A pair may be 2.2e-16 below alpha. Without a pair LocA is 1
-    and all else is 0, as in TrackEval. One table of targets x tracks is held in memory.
+    and all else is 0, as in TrackEval.
 
     References
     ----------
@@ -153,64 +154,17 @@ def combine_hota(results: Sequence[HOTA]) -> HOTA:
 
 
 def hota_of(measure: PairMeasure) -> HOTA:
-    """HOTA of pairs that are compared already."""
-    frames = measure.frames
-    pairs, values = _match(measure)
-    truth, tracks = frames.truth, frames.tracks
-    rows = np.bincount(truth.ids, minlength=len(truth.names))
-    columns = np.bincount(tracks.ids, minlength=len(tracks.names))
-    kept = values >= (_ALPHAS - EPS)[:, None]
-    tp = kept.sum(axis=1)
+    """HOTA of pairs that were found before."""
+    truth, tracks = measure.frames.truth, measure.frames.tracks
+    kernel = _backend.kernels.hota
+    tp, sums, *means = kernel(truth.coded(), tracks.coded(), measure.pairs, _ALPHAS - EPS)
     fn, fp = len(truth) - tp, len(tracks) - tp
-    codes, of_pair = np.unique(pairs[0] * len(tracks.names) + pairs[1], return_inverse=True)
-    i, j = np.divmod(codes, max(1, len(tracks.names)))
-    counts = (np.bincount(of_pair[k], minlength=len(i)) for k in kept)
-    association = np.array([_association(n, rows[i], columns[j]) for n in counts])
-    sums = np.array([values[k].sum() for k in kept])
-    return _result(tp, fn, fp, association, sums)
-
-
-def _match(measure: PairMeasure) -> tuple[Codes, Floats]:
-    """Ids of target and track of every pair, shape (2, k), and its similarity."""
-    truth, tracks = measure.frames.truth, measure.frames.tracks
-    agreement = _agreement(measure)
-    pairs, values = [np.empty((2, 0), dtype=np.int64)], [np.empty(0)]
-    for t, rows, columns in measure.frames.slices():
-        similarity = measure.similarities(t, rows, columns)
-        ids, others = truth.ids[rows], tracks.ids[columns]
-        scores = agreement[np.ix_(ids, others)] * similarity
-        i, j = linear_sum_assignment(scores, maximize=True)
-        pairs.append(np.stack([ids[i], others[j]]))
-        values.append(similarity[i, j])
-    return np.concatenate(pairs, axis=1), np.concatenate(values)
-
-
-def _agreement(measure: PairMeasure) -> Floats:
-    """How well each target and each track agree over the sequence, before any assignment."""
-    truth, tracks = measure.frames.truth, measure.frames.tracks
-    shared = np.zeros((len(truth.names), len(tracks.names)))
-    for t, rows, columns in measure.frames.slices():
-        similarity = measure.similarities(t, rows, columns)
-        union = similarity.sum(axis=0) + similarity.sum(axis=1)[:, None] - similarity
-        part = np.divide(similarity, union, out=np.zeros_like(similarity), where=union > EPS)
-        shared[np.ix_(truth.ids[rows], tracks.ids[columns])] += part
-    rows_of = np.bincount(truth.ids, minlength=len(truth.names))
-    columns_of = np.bincount(tracks.ids, minlength=len(tracks.names))
-    agreement: Floats = shared / (rows_of[:, None] + columns_of - shared)
-    return agreement
-
-
-def _association(n: Codes, rows: Codes, columns: Codes) -> Floats:
-    """AssA, AssRe and AssPr of one alpha, from the numbers of pairs of a target and a track and
-    the numbers of rows of either; 0 without a pair."""
-    shares = np.stack([n / (rows + columns - n), n / rows, n / columns])
-    means: Floats = (n * shares).sum(axis=1) / max(1, n.sum())
-    return means
+    return _result(tp, fn, fp, np.stack(means), sums)
 
 
 def _result(tp: Codes, fn: Codes, fp: Codes, association: Floats, sums: Floats) -> HOTA:
     deta, detre, detpr = (tp / np.maximum(1, tp + other) for other in (fn + fp, fn, fp))
-    assa, assre, asspr = association.T
+    assa, assre, asspr = association
     loca = np.divide(sums, tp, out=np.ones_like(sums), where=tp > 0)
     series = {
         "hota": np.sqrt(deta * assa),

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from trackmetrics.assignment import linear_sum_assignment
+from trackmetrics import _backend
 from trackmetrics.results import Result
 from trackmetrics.tracking.frames import TrackFrames, as_frames
 from trackmetrics.tracking.protocols import Protocol, find_protocol
@@ -51,10 +49,11 @@ def identity_scores(
     ----------
     frames, tracks, similarity, threshold
         As in :func:`clear_mot`.
-    protocol : {"trackeval", "motmetrics"}
-        The implementation whose numbers are wanted. They differ in the rounding at the threshold
-        (a similarity of at least ``threshold``, or a distance ``1 - similarity`` of at most
-        ``1 - threshold``) and in ratios without a denominator (0, or NaN).
+    protocol : {"trackeval", "motmetrics", "bernardin"}
+        The implementation whose numbers are wanted; the paper of CLEAR MOT has no identity scores,
+        and ``"bernardin"`` takes those of py-motmetrics. They differ in the rounding at the
+        threshold (a similarity of at least ``threshold``, or a distance ``1 - similarity`` of at
+        most ``1 - threshold``) and in ratios without a denominator (0, or NaN).
 
     Returns
     -------
@@ -86,14 +85,17 @@ def identity_scores(
     0.6666666666666666
     """
     rules = find_protocol(protocol)
-    return identity_of(pair_measure(as_frames(frames, tracks), similarity, threshold), rules)
+    return identity_scores_of(pair_measure(as_frames(frames, tracks), similarity, threshold), rules)
 
 
-def identity_of(measure: PairMeasure, rules: Protocol) -> IdentityScores:
-    """Identity scores of pairs that are compared already."""
-    idtp = _true_positives(measure, rules)
-    frames = measure.frames
-    return identity_of_counts(idtp, len(frames.truth) - idtp, len(frames.tracks) - idtp, rules)
+def identity_scores_of(measure: PairMeasure, rules: Protocol) -> IdentityScores:
+    """The identity scores of pairs that were found before."""
+    truth, tracks = measure.frames.truth, measure.frames.tracks
+    by_distance = rules.motp_is_distance
+    limit = measure.distance_threshold if by_distance else measure.similarity_threshold
+    kernel = _backend.kernels.identities
+    *_, idtp = kernel(truth.coded(), tracks.coded(), measure.pairs, by_distance, limit)
+    return identity_of_counts(idtp, len(truth) - idtp, len(tracks) - idtp, rules)
 
 
 def identity_of_counts(idtp: int, idfn: int, idfp: int, rules: Protocol) -> IdentityScores:
@@ -106,17 +108,3 @@ def identity_of_counts(idtp: int, idfn: int, idfp: int, rules: Protocol) -> Iden
         idfn=idfn,
         idfp=idfp,
     )
-
-
-def _true_positives(measure: PairMeasure, rules: Protocol) -> int:
-    truth, tracks = measure.frames.truth, measure.frames.tracks
-    together = np.zeros((len(truth.names), len(tracks.names)))
-    for t, rows, columns in measure.frames.slices():
-        if rules.motp_is_distance:
-            near = np.isfinite(measure.distances(t, rows, columns))
-        else:
-            near = measure.similarities(t, rows, columns) >= measure.similarity_threshold
-        together[np.ix_(truth.ids[rows], tracks.ids[columns])] += near
-    if not together.size:
-        return 0
-    return int(together[linear_sum_assignment(together, maximize=True)].sum())

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._similarity import EPS, box_iou
 from trackmetrics.assignment import linear_sum_assignment
 from trackmetrics.tracking.frames import TrackFrames
-from trackmetrics.tracking.similarity import EPS, box_iou
 from trackmetrics.tracks import TrackTable
 
 _LEAST_IOU = 0.5

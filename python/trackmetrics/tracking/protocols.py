@@ -1,20 +1,31 @@
-"""The rules in which TrackEval and py-motmetrics differ, in one table."""
+"""The rules in which TrackEval, py-motmetrics and the paper of CLEAR MOT differ, in one table.
 
+The paper is Bernardin and Stiefelhagen, "Evaluating multiple object tracking performance: the CLEAR
+MOT metrics", EURASIP J. Image and Video Processing, 2008, doi:10.1155/2008/246309. Its section
+2.1.2 gives the mapping procedure that ``"bernardin"`` follows:
+
+1. a mapping (target, track) made before is kept where both are present and within the threshold;
+2. the other targets get tracks one to one, at the least total distance of pairs within the
+   threshold; a pair that contradicts an earlier mapping replaces it, and is a mismatch.
+
+What it leaves open is taken from where it was first answered: of two targets that were both mapped
+to one track the first in the order of the rows keeps it, and there are as many new pairs as can be
+(py-motmetrics); mostly tracked, mostly lost and fragmentations are those of Li, Huang and Nevatia,
+"Learning to associate: HybridBoosted multi-target tracker for crowded scene", CVPR 2009,
+doi:10.1109/CVPR.2009.5206735.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from trackmetrics.assignment import linear_sum_assignment
-from trackmetrics.tracking.similarity import EPS, PairMeasure
-
-Codes = NDArray[np.int64]
-Floats = NDArray[np.float64]
+from trackmetrics._similarity import EPS
 
 
 @dataclass(frozen=True)
 class Protocol:
-    """The rules of one implementation of CLEAR MOT and of the identity scores."""
+    """The rules of CLEAR MOT and of the identity scores, by one implementation or by the paper."""
 
     name: str
     """What ``protocol=`` calls it."""
@@ -42,6 +53,8 @@ class Protocol:
     """Whether transfers, ascends and migrates are counted."""
     source: str
     """Where the rules stand."""
+    sources: Mapping[str, str]
+    """Where each rule stands: the name of a field above, and the place."""
 
     def ratio(self, part: float, whole: float) -> float:
         """A quotient, with this protocol's value where the denominator is 0."""
@@ -64,6 +77,16 @@ PROTOCOLS = {
         empty_is_zero=True,
         transfers=False,
         source="TrackEval 1.3.0, trackeval/metrics/clear.py and identity.py",
+        sources={
+            "forgets": "clear.py, eval_sequence: prev_timestep_tracker_id",
+            "most_similar": "clear.py, eval_sequence: score_mat = 1000 * continued + similarity",
+            "tolerance": "clear.py: similarity < threshold - eps; identity.py: >= threshold",
+            "edge_is_mostly_tracked": "clear.py: MT counts tracked_ratio > 0.8",
+            "own_frames": "clear.py: gt_frag_count, runs of matched frames less one",
+            "motp_is_distance": "clear.py, _compute_final_fields: MOTP_sum / CLR_TP",
+            "empty_is_zero": "clear.py and identity.py: denominators are np.maximum(1, ...)",
+            "transfers": "not in clear.py",
+        },
     ),
     "motmetrics": Protocol(
         name="motmetrics",
@@ -76,89 +99,46 @@ PROTOCOLS = {
         empty_is_zero=False,
         transfers=True,
         source="py-motmetrics 1.4.0, motmetrics/mot.py and metrics.py",
+        sources={
+            "forgets": "mot.py, MOTAccumulator.update, step 1: self.m holds the last match",
+            "most_similar": "mot.py, update, steps 1 and 2; lap.py, add_expensive_edges",
+            "tolerance": "distances.py: a distance above the threshold is NaN",
+            "edge_is_mostly_tracked": "metrics.py, mostly_tracked: tracked[tracked >= 0.8]",
+            "own_frames": "metrics.py, num_fragmentations: diff between first and last detection",
+            "motp_is_distance": "metrics.py, motp: sum of D / num_detections",
+            "empty_is_zero": "math_util.py, quiet_divide",
+            "transfers": "mot.py, update: TRANSFER, ASCEND and MIGRATE",
+        },
+    ),
+    "bernardin": Protocol(
+        name="bernardin",
+        forgets=False,
+        most_similar=False,
+        tolerance=0.0,
+        edge_is_mostly_tracked=False,
+        own_frames=True,
+        motp_is_distance=True,
+        empty_is_zero=False,
+        transfers=False,
+        source="Bernardin and Stiefelhagen, 2008, section 2.1.2",
+        sources={
+            "forgets": "section 2.1.2, steps 1 and 2: the mappings made up to the last frame",
+            "most_similar": "section 2.1.2, step 1 before step 2; most pairs: py-motmetrics",
+            "tolerance": "section 2.1.1: a distance that does not exceed the threshold",
+            "edge_is_mostly_tracked": "Li, Huang and Nevatia, 2009: more than 80 %",
+            "own_frames": "Li, Huang and Nevatia, 2009: interruptions of a true trajectory",
+            "motp_is_distance": "section 2.1.3: total distance of the pairs / number of pairs",
+            "empty_is_zero": "open in the paper: undefined is NaN here",
+            "transfers": "the paper counts mismatches of targets only",
+        },
     ),
 }
-
-# TrackEval's weight of a continued pair. It rounds similarities to 1e-13, so that another weight
-# could break ties in another way.
-_CONTINUED = 1000.0
 
 
 def find_protocol(name: str) -> Protocol:
     """The protocol of that name."""
     if name not in PROTOCOLS:
-        expected = " or ".join(map(repr, PROTOCOLS))
+        *most, last = map(repr, PROTOCOLS)
+        expected = f"{', '.join(most)} or {last}"
         raise ValueError(f"protocol must be {expected}, got {name!r}")
     return PROTOCOLS[name]
-
-
-@dataclass(frozen=True, eq=False)
-class Matches:
-    """The matched pairs of all frames, in the order of time."""
-
-    truth_rows: Codes
-    """Row of the truth, shape (k,)."""
-    track_rows: Codes
-    """Row of the tracks."""
-    values: Floats
-    """Similarity or, for py-motmetrics, distance of the pair."""
-    continued: NDArray[np.bool_]
-    """Whether the pair was fixed as the continuation of an earlier one."""
-
-
-def match(measure: PairMeasure, protocol: Protocol) -> Matches:
-    """Match truth and tracks frame by frame."""
-    truth, tracks = measure.frames.truth, measure.frames.tracks
-    last = np.full(len(truth.names), -1, dtype=np.int64)
-    found: list[tuple[Codes, Codes, Floats, NDArray[np.bool_]]] = []
-    for t, rows, columns in measure.frames.slices():
-        ids, others = truth.ids[rows], tracks.ids[columns]
-        wanted = last[ids][:, None] == others
-        if protocol.most_similar:
-            values = measure.similarities(t, rows, columns)
-            least = measure.similarity_threshold - protocol.tolerance
-            i, j, fixed = _most_similar(values, wanted, least)
-        else:
-            values = measure.distances(t, rows, columns)
-            i, j, fixed = _continue_then_assign(values, wanted)
-        if protocol.forgets:
-            last[:] = -1
-        last[ids[i]] = others[j]
-        found.append((i + rows.start, j + columns.start, values[i, j], fixed))
-    if not found:
-        none = np.empty(0, dtype=np.int64)
-        return Matches(none, none, np.empty(0), np.empty(0, dtype=np.bool_))
-    return Matches(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
-
-
-def _most_similar(
-    similarities: Floats, wanted: NDArray[np.bool_], least: float
-) -> tuple[Codes, Codes, NDArray[np.bool_]]:
-    """Rows and columns of the pairs with the largest total score."""
-    scores = _CONTINUED * wanted + similarities
-    scores[similarities < least] = 0
-    rows, columns = linear_sum_assignment(scores, maximize=True)
-    kept = scores[rows, columns] > EPS
-    rows, columns = rows[kept], columns[kept]
-    return rows, columns, wanted[rows, columns]
-
-
-def _continue_then_assign(
-    distances: Floats, wanted: NDArray[np.bool_]
-) -> tuple[Codes, Codes, NDArray[np.bool_]]:
-    """Rows and columns of the continued pairs, then of the largest assignment of least cost."""
-    rows, columns = np.nonzero(wanted & np.isfinite(distances))
-    columns, first = np.unique(columns, return_index=True)  # the first target that wants it
-    rows = rows[first]
-    free = distances.copy()
-    free[rows] = np.nan
-    free[:, columns] = np.nan
-    finite = np.isfinite(free)
-    if not finite.any():
-        return rows, columns, np.ones(len(rows), dtype=np.bool_)
-    # A cost that no assignment takes where it can have one more pair instead.
-    large = 2 * min(free.shape) * (np.abs(free[finite]).max() + 1) + 1
-    more, others = linear_sum_assignment(np.where(finite, free, large))
-    kept = finite[more, others]
-    continued = np.repeat([True, False], [len(rows), int(kept.sum())])
-    return np.append(rows, more[kept]), np.append(columns, others[kept]), continued

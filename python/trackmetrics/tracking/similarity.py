@@ -1,44 +1,24 @@
 """Similarity and distance of truth and tracks within a frame.
 
 TrackEval asks for a similarity in [0, 1], py-motmetrics for a distance. `PairMeasure` gives both
-from one name and one threshold.
+from one name and one threshold, and lists the pairs that are similar at all: every score is made
+from those.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import _check, errors
+from trackmetrics import _backend, _check, errors
+from trackmetrics._similarity import EPS, box_iou, euclidean_distances
 from trackmetrics.tracking.frames import TrackFrames
 
+Codes = NDArray[np.int64]
 Floats = NDArray[np.float64]
-EPS = float(np.finfo(np.float64).eps)
-
-
-def box_iou(truth: Floats, tracks: Floats) -> Floats:
-    """Intersection over union of boxes (left, top, width, height), shape (n, m), in [0, 1].
-
-    A box without area has the value 0 with every other.
-    """
-    corners = np.hstack([truth[:, :2], truth[:, :2] + truth[:, 2:]])
-    others = np.hstack([tracks[:, :2], tracks[:, :2] + tracks[:, 2:]])
-    low = np.maximum(corners[:, None, :2], others[None, :, :2])
-    high = np.minimum(corners[:, None, 2:], others[None, :, 2:])
-    shared = np.prod(np.maximum(high - low, 0), axis=2)
-    area, other_area = (np.prod(c[:, 2:] - c[:, :2], axis=1) for c in (corners, others))
-    union = area[:, None] + other_area - shared
-    shared[(area <= EPS)[:, None] | (other_area <= EPS) | (union <= EPS)] = 0
-    iou: Floats = np.divide(shared, union, out=np.zeros_like(shared), where=union > EPS)
-    return iou
-
-
-def euclidean_distances(truth: Floats, tracks: Floats) -> Floats:
-    """Distance of every pair of positions, shape (n, m), in their unit."""
-    distances: Floats = np.sqrt(np.square(truth[:, None] - tracks).sum(axis=2))
-    return distances
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +43,29 @@ class PairMeasure:
     def distance_threshold(self) -> float:
         """The threshold as a distance."""
         return self.threshold if self.kind == "euclidean" else 1 - self.threshold
+
+    @cached_property
+    def pairs(self) -> tuple[Codes, Codes, Floats, Floats]:
+        """The pairs of a frame that are similar at all, in the order of the truth rows: where those
+        of each truth row begin, their track rows, similarities and distances. Found once."""
+        kernels, starts = _backend.kernels, (self.frames.truth.starts, self.frames.tracks.starts)
+        if self.kind == "euclidean":
+            points = (np.ascontiguousarray(side) for side in self.columns)
+            found = kernels.position_pairs(*points, *starts, self.threshold)
+        elif self.kind == "iou":
+            boxes = (np.ascontiguousarray(side) for side in self.columns)
+            found = kernels.box_pairs(*boxes, *starts, self._allows_all)
+        else:
+            flat = [matrix.ravel() for matrix in self.columns[0]]
+            matrices = np.concatenate(flat) if flat else np.empty(0)
+            found = kernels.matrix_pairs(matrices, *starts, self._allows_all)
+        pairs: tuple[Codes, Codes, Floats, Floats] = found
+        return pairs
+
+    @property
+    def _allows_all(self) -> bool:
+        """Whether the threshold is lost in rounding, so that a similarity of 0 can reach it."""
+        return self.threshold <= EPS
 
     def similarities(self, t: int, rows: slice, columns: slice) -> Floats:
         """Similarity of every pair of frame t, in [0, 1]; 0 for a pair that is excluded."""

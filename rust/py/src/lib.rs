@@ -22,6 +22,7 @@ mod consistency;
 mod convert;
 mod diagnostics;
 mod error;
+mod identities;
 mod interrupt;
 mod lists;
 mod monte_carlo;
@@ -49,6 +50,7 @@ mod _native {
             best_split_gains, first_alarms, nees_inflation, sampled_shapley_shares,
             scale_partitions, shapley_shares,
         },
+        identities::{box_pairs, clear_mot, hota, identities, matrix_pairs, position_pairs},
         monte_carlo::{consistency_sums, histograms, run_sums},
         noise_likelihood::noise_likelihood,
         point_sets::{
