@@ -1,6 +1,7 @@
 """NEES and NIS: kernel, reference and exact rational arithmetic; forms of input; refusals."""
 
 import json
+import pickle
 from fractions import Fraction
 
 import numpy as np
@@ -349,3 +350,15 @@ def test_thousands_of_random_inputs_against_pytcl():
             assert trackmetrics.nees(x[i], y[i], p[i]) == pytest.approx(number, rel=1e-9)
             number = peer.nis(x[i], p[i])
             assert trackmetrics.nis(x[i], p[i]) == pytest.approx(number, rel=1e-9)
+
+
+def test_arrays_that_were_pickled_are_read_as_others():
+    rng = np.random.default_rng(0)
+    arrays = rng.normal(size=(4, 2)), rng.normal(size=(4, 2)), np.eye(2)
+    copies = pickle.loads(pickle.dumps(arrays))
+    np.testing.assert_array_equal(trackmetrics.nees(*copies), trackmetrics.nees(*arrays))
+    assert trackmetrics.ospa(*copies[:2], 2.0, 1.0) == trackmetrics.ospa(*arrays[:2], 2.0, 1.0)
+    assert (
+        trackmetrics.gospa(*copies[:2], 2.0).distance
+        == trackmetrics.gospa(*arrays[:2], 2.0).distance
+    )

@@ -54,7 +54,9 @@ def refuse_masked(argument: str, values: Any, index: tuple[int, ...] = ()) -> No
 def plain(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
     """The form that kernels borrow: C-ordered, aligned and in the machine's byte order."""
     ordered = np.asarray(values, dtype=dtype, order="C")
-    return ordered if ordered.flags.aligned else ordered.copy()
+    aligned = ordered if ordered.flags.aligned else ordered.copy()
+    # An unpickled array has a type object of its own; a view has NumPy's, which kernels look for.
+    return aligned if aligned.dtype is np.dtype(dtype) else aligned.view(dtype)
 
 
 def integers(argument: str, values: Any) -> NDArray[np.int64]:

@@ -122,7 +122,9 @@ def random_intervals(rng, truths, tracks):
             both = sorted({r["t"] for r in truth} & {r["t"] for r in track})
             while len(both) > 1 and rng.random() < 0.6:
                 a, b = sorted(rng.choice(len(both), 2, replace=False))
-                found.append((i, j, both[a], both[b]))
+                # Of two that end together Stone Soup takes whichever its set has first.
+                if all((i, both[b]) != (k, end) for k, _, _, end in found):
+                    found.append((i, j, both[a], both[b]))
     return found
 
 

@@ -35,7 +35,8 @@ class FrameColumns:
 
     def coded(self) -> tuple[Codes, Codes, int]:
         """Codes, starts and number of ids, as kernels take them."""
-        return self.ids, self.starts, len(self.names)
+        ids, starts = (_check.plain(column, np.int64) for column in (self.ids, self.starts))
+        return ids, starts, len(self.names)
 
     def centres(self, argument: str) -> Floats:
         """The positions; without them the centres of the boxes."""

@@ -144,11 +144,8 @@ def hota(
 def combine_hota(results: Sequence[HOTA]) -> HOTA:
     """HOTA of several sequences: counts summed, the rest weighted by the number of pairs."""
     tp, fn, fp = (sum(getattr(r, f"{n}_alpha") for r in results) for n in ("tp", "fn", "fp"))
-    shares = [
-        np.stack([r.assa_alpha, r.assre_alpha, r.asspr_alpha], axis=1) * r.tp_alpha[:, None]
-        for r in results
-    ]
-    association = np.sum(shares, axis=0) / np.maximum(1, tp)[:, None]
+    shares = [np.stack([r.assa_alpha, r.assre_alpha, r.asspr_alpha]) * r.tp_alpha for r in results]
+    association = np.sum(shares, axis=0) / np.maximum(1, tp)
     sums = np.sum([r.loca_alpha * r.tp_alpha for r in results], axis=0)
     return _result(tp, fn, fp, association, sums)
 

@@ -48,16 +48,19 @@ class PairMeasure:
     def pairs(self) -> tuple[Codes, Codes, Floats, Floats]:
         """The pairs of a frame that are similar at all, in the order of the truth rows: where those
         of each truth row begin, their track rows, similarities and distances. Found once."""
-        kernels, starts = _backend.kernels, (self.frames.truth.starts, self.frames.tracks.starts)
+        kernels, starts = (
+            _backend.kernels,
+            (self.frames.truth.coded()[1], self.frames.tracks.coded()[1]),
+        )
         if self.kind == "euclidean":
-            points = (np.ascontiguousarray(side) for side in self.columns)
+            points = (_check.plain(side, np.float64) for side in self.columns)
             found = kernels.position_pairs(*points, *starts, self.threshold)
         elif self.kind == "iou":
-            boxes = (np.ascontiguousarray(side) for side in self.columns)
+            boxes = (_check.plain(side, np.float64) for side in self.columns)
             found = kernels.box_pairs(*boxes, *starts, self._allows_all)
         else:
             flat = [matrix.ravel() for matrix in self.columns[0]]
-            matrices = np.concatenate(flat) if flat else np.empty(0)
+            matrices = _check.plain(np.concatenate(flat) if flat else np.empty(0), np.float64)
             found = kernels.matrix_pairs(matrices, *starts, self._allows_all)
         pairs: tuple[Codes, Codes, Floats, Floats] = found
         return pairs
