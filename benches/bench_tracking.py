@@ -149,6 +149,8 @@ def with_trackeval(frames):
 
 
 def with_motmetrics(frames):
+    # py-motmetrics 1.4.0 uses a name that NumPy 2 no longer has.
+    np.asfarray = getattr(np, "asfarray", lambda values: np.asarray(values, dtype=float))  # noqa: NPY201
     (ids, boxes), (others, found) = by_frame(frames.truth), by_frame(frames.tracks)
     names = [*motmetrics.metrics.motchallenge_metrics]
 

@@ -1,5 +1,6 @@
 """A child forked while other threads change the number of threads computes and never waits."""
 
+import os
 import subprocess
 import sys
 
@@ -34,7 +35,7 @@ os._exit(0)
 """
 
 
-@pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="no fork on this system")
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 def test_no_child_waits_for_a_lock_of_its_parent():
     command = [sys.executable, "-W", "ignore", "-c", SCRIPT]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from trackmetrics.tracking import (
+    TrackFrames,
+    associate,
     average_classes,
     clear_mot,
     combine,
@@ -13,6 +15,7 @@ from trackmetrics.tracking import (
     evaluate_sequences,
     hota,
     identity_scores,
+    vace,
 )
 from trackmetrics.tracks import TrackTable, read_tracks
 
@@ -87,7 +90,9 @@ def test_processes_and_threads_give_the_same_numbers():
 
 def test_wrong_arguments_are_named():
     truth, tracks = scene(0)
-    with pytest.raises(ValueError, match="metrics must be of clear, identity, hota, got 'idf1'"):
+    with pytest.raises(
+        ValueError, match="metrics must be a list of clear, identity, hota, got 'idf1'"
+    ):
         evaluate(truth, tracks, metrics=("idf1",))
     with pytest.raises(ValueError, match="truth has no boxes"):
         evaluate(truth, tracks)
@@ -95,6 +100,23 @@ def test_wrong_arguments_are_named():
         evaluate(truth)
     with pytest.raises(ValueError, match="results is empty"):
         combine([])
+    with pytest.raises(TypeError, match=r"results\[0\] must be an Evaluation, got int"):
+        combine([1])
+    with pytest.raises(TypeError, match="metrics must be a list of clear, identity, hota"):
+        evaluate(truth, tracks, metrics="clear")
+    with pytest.raises(ValueError, match=r"sequences\['a'\] must be a pair"):
+        evaluate_sequences({"a": (truth,)})
+    dates = np.datetime64("2026-01-01", "s") + tracks.time.astype("m8[s]")
+    dated = TrackTable.from_columns(time=dates, id=tracks.id, position=tracks.position)
+    with pytest.raises(TypeError, match="truth has times of int64, tracks of datetime64"):
+        evaluate(truth, dated, **MEASURE)
+
+
+def test_every_score_takes_two_tables():
+    truth, tracks = scene(0)
+    frames = TrackFrames.from_tables(truth, tracks)
+    assert vace(truth, tracks, **MEASURE) == vace(frames, **MEASURE)
+    assert associate(truth, tracks, threshold=1.5) == associate(frames, threshold=1.5)
 
 
 @pytest.mark.data

@@ -50,6 +50,7 @@ def crowd(seed, frames=40, targets=25, places=np.inf):
     t, i = np.nonzero(there)
     s, j = np.nonzero(found)
     tracks = boxes + jitter
+    tracks[..., 2:] = np.abs(tracks[..., 2:])
     if np.isfinite(places):
         boxes, tracks = np.round(boxes, places), np.round(tracks, places)
     return TrackFrames.from_columns(

@@ -61,7 +61,7 @@ def test_results_are_ready_for_json():
             {"truth_times": [2, 2]},
             r"truth rows 0 and 1 both have time 2 and id a",
         ),
-        ({"track_times": [1, np.nan]}, r"track_times\[1\] is not a time"),
+        ({"track_times": [1, np.nan]}, r"track_times\[1\] is nan, expected a finite time"),
         ({"track_times": [[1, 2]]}, r"track_times has shape \(1, 2\)"),
         ({"truth_ids": ["a"]}, r"truth_ids has 1 rows, truth_times has 2"),
         ({"truth_boxes": [[0, 0, 1, 1]]}, r"truth_boxes has shape \(1, 4\), expected \(2, 4\)"),

@@ -246,3 +246,39 @@ def test_recordings_in_the_form_of_kitti(data, tmp_path, file):
     np.testing.assert_allclose(again.box_3d, made.box_3d, rtol=1e-13)
     np.testing.assert_array_equal(again.box, made.box)
     np.testing.assert_array_equal(again.id, made.id)
+
+
+MASKED = np.ma.masked_array([1, 2], [False, True])
+
+
+@pytest.mark.parametrize(
+    ("changed", "error", "message"),
+    [
+        ({"time": MASKED}, ValueError, r"time\[1\] is masked"),
+        ({"id": MASKED}, ValueError, r"id\[1\] is masked"),
+        ({"time": [object(), 1]}, TypeError, "time must hold numbers or dates"),
+        ({"covariance": np.ones((2, 3))}, ValueError, r"\(2, 3\), expected \(2, 2, 2\)"),
+        ({"covariance": np.ones((2, 4))}, ValueError, r"\(2, 4\), expected \(2, 2, 2\)"),
+        ({"covariance": np.ones((2, 3, 3))}, ValueError, r"\(2, 3, 3\), expected \(2, 2, 2\)"),
+        ({"box": [[0, 0, 1, 1], [5, 5, -1, 1]]}, ValueError, r"box\[1\] is -1 wide and 1 high"),
+        (
+            {"box": [[5, 5, 1, 1], [0, 0, 1, 1]], "box_format": "ltrb"},
+            ValueError,
+            r"box\[0\] is -4 wide",
+        ),
+        ({"box_format": "xywh"}, ValueError, "box_format must be 'ltwh' or 'ltrb', got 'xywh'"),
+    ],
+)
+def test_what_is_no_track_is_named(changed, error, message):
+    columns = {"time": [1, 2], "id": [1, 1], "position": [[0, 0], [1, 0]]}
+    with pytest.raises(error, match=message):
+        TrackTable.from_columns(**{**columns, **changed})
+
+
+def test_covariances_come_back_from_a_file_as_matrices(tmp_path):
+    covariance = [[[2.0, 0.5], [0.5, 1.0]], [[3.0, 0.0], [0.0, 4.0]]]
+    table = TrackTable.from_columns(
+        time=[1, 2], id=[1, 1], position=[[0, 0], [1, 0]], covariance=covariance
+    )
+    table.write(tmp_path / "tracks.csv")
+    np.testing.assert_array_equal(read_tracks(tmp_path / "tracks.csv").covariance, covariance)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from trackmetrics._tables.data_frames import as_float64, opened
 from trackmetrics._tables.errors import value
 from trackmetrics._tables.polars_columns import data_frame, need_polars, polars, to_array
 from trackmetrics.logs.serialization import by_element
@@ -14,15 +15,7 @@ LIBRARIES = ("polars", "pandas", "pyarrow")
 
 def read(frame: Any) -> dict[str, Any]:
     """The columns of a data frame."""
-    import narwhals
-
-    try:
-        native = narwhals.from_native(frame, eager_only=True)
-    except TypeError:
-        raise TypeError(
-            "frame must be a data frame of pandas, Polars or PyArrow (a lazy one collected first), "
-            f"got {type(frame).__module__}.{type(frame).__qualname__}"
-        ) from None
+    native = opened(frame)
     return {name: _column(native[name]) for name in native.columns}
 
 
@@ -42,7 +35,7 @@ def write(columns: Mapping[str, Any], library: str) -> Any:
 def _column(series: Any) -> Any:
     kind = series.dtype
     if kind.is_numeric():
-        return series.cast(_float64()).to_numpy()
+        return as_float64(series)
     if kind.is_temporal():
         return series.to_numpy()
     found = _by_polars(series)
@@ -61,9 +54,3 @@ def _by_polars(series: Any) -> Any:
     if isinstance(native, pl.Series):
         return to_array(native)
     return to_array(pl.Series(native)) if type(native).__module__.startswith("pyarrow") else None
-
-
-def _float64() -> Any:
-    import narwhals
-
-    return narwhals.Float64

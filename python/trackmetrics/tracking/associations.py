@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from trackmetrics import _check, errors
 from trackmetrics._similarity import euclidean_distances
-from trackmetrics.tracking.frames import FrameColumns, TrackFrames
+from trackmetrics.tracking.frames import FrameColumns, TrackFrames, as_frames
+from trackmetrics.tracks import TrackTable
 
 Codes = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -22,14 +23,21 @@ Interval = tuple[Hashable, Hashable, Any, Any]
 
 
 def associate(
-    frames: TrackFrames, *, threshold: float, confirm: int = 3, end: int = 2
+    frames: TrackFrames | TrackTable,
+    tracks: TrackTable | None = None,
+    *,
+    threshold: float,
+    confirm: int = 3,
+    end: int = 2,
 ) -> list[Interval]:
     """Associate each track with the target that it is nearest to for some consecutive rows.
 
     Parameters
     ----------
-    frames : TrackFrames
-        Truth and tracks of one sequence, with positions or boxes.
+    frames : TrackFrames or TrackTable
+        Truth and tracks of one sequence, with positions or boxes, or the truth alone.
+    tracks : TrackTable, optional
+        The tracks, where ``frames`` is the truth.
     threshold : float
         Distance from which on a target is not near, in the unit of the positions.
     confirm : int
@@ -63,6 +71,7 @@ def associate(
     >>> associate(frames, threshold=1.0)
     [('ferry', 7, 1, 3)]
     """
+    frames = as_frames(frames, tracks)
     threshold = _check.number("threshold", threshold)
     if not threshold > 0:
         raise errors.parameter("threshold", "above 0", threshold)

@@ -142,9 +142,11 @@ def evaluate(
     >>> found.events["event"].tolist()
     ['match', 'miss', 'match', 'switch']
     """
+    if isinstance(metrics, str):
+        raise TypeError(f"metrics must be a list of {', '.join(METRICS)}, got {metrics!r}")
     for name in metrics:
         if name not in METRICS:
-            raise ValueError(f"metrics must be of {', '.join(METRICS)}, got {name!r}")
+            raise ValueError(f"metrics must be a list of {', '.join(METRICS)}, got {name!r}")
     rules = find_protocol(protocol)
     if isinstance(truth, TrackFrames):
         frames = truth
@@ -182,6 +184,8 @@ def combine(results: Iterable[Evaluation]) -> Evaluation:
     if not found:
         raise ValueError("results is empty")
     for i, other in enumerate(found):
+        if not isinstance(other, Evaluation):
+            raise TypeError(f"results[{i}] must be an Evaluation, got {type(other).__name__}")
         if (other.protocol, other.threshold) != (found[0].protocol, found[0].threshold):
             raise ValueError(
                 f"results[{i}] has protocol {other.protocol!r} and threshold {other.threshold}, "
@@ -242,6 +246,9 @@ def evaluate_sequences(
     """
     pools = {"threads": ThreadPoolExecutor, "processes": ProcessPoolExecutor}
     work = partial(evaluate, **options)
+    for name, pair in sequences.items():
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise ValueError(f"sequences[{name!r}] must be a pair of truth and tracks")
     truths, tracks = zip(*sequences.values(), strict=True) if sequences else ((), ())
     if executor is None:
         results: Iterable[Evaluation] = map(work, truths, tracks)

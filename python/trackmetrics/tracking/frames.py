@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from trackmetrics import _check, errors
 from trackmetrics.tracking.labels import labels
 from trackmetrics.tracks import Boxes, TrackTable
+from trackmetrics.tracks import box_format as box_formats
+from trackmetrics.tracks.identities import times as times_of
 
 Codes = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -185,9 +187,8 @@ class TrackFrames:
             Where one side has an id twice in a frame (the message names both rows), columns differ
             in length, a number is not finite, or ``times`` lacks the time of a row.
         """
-        if box_format not in ("ltwh", "ltrb"):
-            raise ValueError(f"box_format must be 'ltwh' or 'ltrb', got {box_format!r}")
-        columns = _times("truth_times", truth_times), _times("track_times", track_times)
+        box_formats.check(box_format)
+        columns = times_of("truth_times", truth_times), times_of("track_times", track_times)
         listed = _all_times(columns, times)
         sides = (
             _side("truth", columns[0], truth_ids, truth_boxes, truth_positions, box_format, listed),
@@ -217,24 +218,15 @@ def _table_side(table: TrackTable, times: NDArray[Any]) -> FrameColumns:
     )
 
 
-def _times(argument: str, values: Any) -> NDArray[Any]:
-    array = np.asarray(values)
-    if array.ndim != 1:
-        raise errors.shape(argument, array.shape, "(N,)")
-    if len(array) and array.dtype.kind not in "iufmM":
-        raise TypeError(f"{argument} must hold numbers or dates, got dtype {array.dtype}")
-    wrong = np.flatnonzero(array != array)
-    if len(wrong):
-        raise ValueError(f"{argument}[{wrong[0]}] is not a time: {array[wrong[0]]}")
-    return array
-
-
 def _all_times(columns: tuple[NDArray[Any], ...], times: Any) -> NDArray[Any]:
     filled = [column for column in columns if len(column)]
+    if len({column.dtype.kind in "mM" for column in filled}) > 1:
+        kinds = [column.dtype for column in filled]
+        raise TypeError(f"truth has times of {kinds[0]}, tracks of {kinds[1]}: expected one kind")
     present = np.unique(np.concatenate(filled)) if filled else np.empty(0, dtype=np.int64)
     if times is None:
         return present
-    listed = np.unique(_times("times", times))
+    listed = np.unique(times_of("times", times))
     missing = present[~np.isin(present, listed)]
     if len(missing):
         raise ValueError(f"times lacks {missing[0]}, the time of a row")
@@ -259,8 +251,7 @@ def _side(
     _refuse_duplicates(name, column, ids, frames, codes)
     order = np.argsort(frames, kind="stable")
     boxes = _rows(f"{name}_boxes", boxes, len(column), 4)
-    if boxes is not None and box_format == "ltrb":
-        boxes = np.hstack([boxes[:, :2], boxes[:, 2:] - boxes[:, :2]])
+    boxes = box_formats.to_ltwh(f"{name}_boxes", boxes, box_format)
     positions = _rows(f"{name}_positions", positions, len(column), None)
     return FrameColumns(
         codes[order].astype(np.int64),

@@ -18,8 +18,9 @@ import numpy as np
 
 from trackmetrics.assignment import linear_sum_assignment
 from trackmetrics.results import Result
-from trackmetrics.tracking.frames import TrackFrames
+from trackmetrics.tracking.frames import TrackFrames, as_frames
 from trackmetrics.tracking.similarity import PairMeasure, pair_measure
+from trackmetrics.tracks import TrackTable
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,11 @@ class VACE(Result):
 
 
 def vace(
-    frames: TrackFrames, *, similarity: str | Sequence[Any] = "iou", threshold: float = 0.5
+    frames: TrackFrames | TrackTable,
+    tracks: TrackTable | None = None,
+    *,
+    similarity: str | Sequence[Any] = "iou",
+    threshold: float = 0.5,
 ) -> VACE:
     """VACE: how long whole tracks match whole targets, and how well frames are detected.
 
@@ -57,7 +62,7 @@ def vace(
 
     Parameters
     ----------
-    frames, similarity, threshold
+    frames, tracks, similarity, threshold
         As in :func:`clear_mot`. The threshold is for STDA; FDA takes every similarity as it is.
 
     Returns
@@ -95,7 +100,8 @@ def vace(
     >>> scores.stda, round(scores.ata, 3), scores.fda, scores.sfda
     (0.5, 0.333, 3.0, 0.75)
     """
-    measure = pair_measure(frames, similarity, threshold)
+    measure = pair_measure(as_frames(frames, tracks), similarity, threshold)
+    frames = measure.frames
     stda, fda = _track_accuracy(measure), _frame_accuracy(measure)
     ids = len(frames.truth.names) + len(frames.tracks.names)
     filled = int(((np.diff(frames.truth.starts) + np.diff(frames.tracks.starts)) > 0).sum())

@@ -4,22 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from trackmetrics._tables.data_frames import as_float64, opened
+
 
 def columns(frame: Any) -> dict[str, Any]:
     """Each column as an array; whole numbers and dates keep their kind."""
-    try:
-        import narwhals
-    except ImportError:
-        raise ModuleNotFoundError(
-            "data frames need narwhals: pip install 'trackmetrics[frames]'", name="narwhals"
-        ) from None
-    try:
-        native = narwhals.from_native(frame, eager_only=True)
-    except TypeError:
-        raise TypeError(
-            "frame must be a data frame of pandas, Polars or PyArrow (a lazy one collected first), "
-            f"got {type(frame).__module__}.{type(frame).__qualname__}"
-        ) from None
+    native = opened(frame)
     return {name: _column(native[name]) for name in native.columns}
 
 
@@ -28,9 +18,7 @@ def _column(series: Any) -> Any:
     if kind.is_integer() and not series.null_count():
         return series.to_numpy().astype(np.int64)
     if kind.is_numeric():
-        import narwhals
-
-        return np.asarray(series.cast(narwhals.Float64).to_numpy(), dtype=np.float64)
+        return np.asarray(as_float64(series), dtype=np.float64)
     if kind.is_temporal():
         return series.to_numpy()
     return np.array(series.to_list(), dtype=object)

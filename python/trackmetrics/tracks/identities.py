@@ -1,4 +1,4 @@
-"""Ids and classes as arrays: anything that Python can hash."""
+"""Ids, classes and times as arrays: labels are anything that Python can hash."""
 
 from collections.abc import Hashable
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics import errors
+from trackmetrics import _check, errors
 
 Codes = NDArray[np.int64]
 
@@ -16,6 +16,7 @@ def labels(argument: str, given: Any, length: int | None = None) -> NDArray[Any]
 
     In a list ``1`` and ``"1"`` stay different labels.
     """
+    _check.refuse_masked(argument, given)
     if isinstance(given, str | bytes):
         raise TypeError(f"{argument} must be a list or array, got {type(given).__name__}")
     values: NDArray[Any]
@@ -44,6 +45,30 @@ def labels(argument: str, given: Any, length: int | None = None) -> NDArray[Any]
         if whole and (np.abs(values) < 2**53).all():
             values = values.astype(np.int64)
     return values
+
+
+def times(argument: str, given: Any) -> NDArray[Any]:
+    """Finite numbers or dates as an array of one axis."""
+    array = _check.array(argument, given)
+    if array.ndim != 1:
+        raise errors.shape(argument, array.shape, "(N,)")
+    if not len(array):
+        return np.empty(0, dtype=np.int64)
+    if array.dtype == object:
+        array = _dates(argument, array)
+    if array.dtype.kind not in "iufmM":
+        raise TypeError(f"{argument} must hold numbers or dates, got dtype {array.dtype}")
+    wrong = np.flatnonzero(~np.isfinite(array))
+    if len(wrong):
+        raise ValueError(f"{argument}[{wrong[0]}] is {array[wrong[0]]}, expected a finite time")
+    return array
+
+
+def _dates(argument: str, values: NDArray[np.object_]) -> NDArray[np.datetime64]:
+    try:
+        return values.astype("datetime64[us]")
+    except (ValueError, TypeError) as error:
+        raise TypeError(f"{argument} must hold numbers or dates: {error}") from None
 
 
 def _objects(values: list[Any]) -> NDArray[np.object_]:

@@ -1,5 +1,6 @@
 """Track tables as named columns: data frames, CSV and Parquet, with a mapping of names."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -45,7 +46,7 @@ def take(table: Mapping[str, Any], mapping: Mapped, file: str = "the table") -> 
         present = [alias for alias in aliases if alias in left]
         if present and name not in found:
             found[name] = left.pop(present[0])
-    _take_groups(left, found)
+    _take_groups(left, found, file)
     for name in ("time", "id"):
         if name not in found:
             raise ValueError(
@@ -58,7 +59,7 @@ def take(table: Mapping[str, Any], mapping: Mapped, file: str = "the table") -> 
     return {**found, "other": left}
 
 
-def _take_groups(left: dict[str, Any], found: dict[str, Any]) -> None:
+def _take_groups(left: dict[str, Any], found: dict[str, Any], file: str) -> None:
     """Boxes, positions and the like, which have one column a component."""
     if "box" not in found:
         for names, form in ((LTWH, "ltwh"), (LTRB, "ltrb")):
@@ -71,12 +72,24 @@ def _take_groups(left: dict[str, Any], found: dict[str, Any]) -> None:
         parts.sort(key=lambda c: int(c[len(name) + 1 : -1]))
         if name not in found and parts:
             found[name] = np.stack([left.pop(part) for part in parts], axis=1)
+            if name == "covariance":
+                found[name] = _square(found[name], file)
     if "position" not in found and "x" in left and "y" in left:
         axes = [axis for axis in "xyz" if axis in left]
         found["position"] = np.stack([left.pop(axis) for axis in axes], axis=1)
     sizes = ("mask_height", "mask_width")
     if "mask" in found and all(size in left for size in sizes):
         found["mask_size"] = np.stack([left.pop(s) for s in sizes], axis=1).astype(np.int64)
+
+
+def _square(columns: Any, file: str) -> Any:
+    rows, count = columns.shape
+    side = math.isqrt(count)
+    if side * side != count:
+        raise ValueError(
+            f"{file} has {count} columns covariance[0] and on, expected the d x d of a matrix"
+        )
+    return columns.reshape(rows, side, side)
 
 
 def _whole(labels: Any) -> Any:

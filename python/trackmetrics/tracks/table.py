@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _check, errors
+from trackmetrics.tracks import box_format as forms
 from trackmetrics.tracks import formats, frames, identities, masks, named, objects
 
 Floats = NDArray[np.float64]
@@ -153,9 +154,8 @@ class TrackTable:
             Where two rows have the same time and id (the message names both), columns differ in
             length, or a number is not finite.
         """
-        if box_format not in ("ltwh", "ltrb"):
-            raise ValueError(f"box_format must be 'ltwh' or 'ltrb', got {box_format!r}")
-        times = _times(time)
+        forms.check(box_format)
+        times = identities.times("time", time)
         n = len(times)
         ids = identities.labels("id", id, n)
         codes, names = identities.encode("id", ids)
@@ -163,15 +163,14 @@ class TrackTable:
         box = None if box is None else _check.floats("box", box)
         if box is not None and box.ndim == 2 and box.shape[1] == 7:
             box, box_3d = None, box
-        box = _rows("box", box, (n, 4))
-        if box is not None and box_format == "ltrb":
-            box = np.hstack([box[:, :2], box[:, 2:] - box[:, :2]])
-        if covariance is not None:
-            covariance = _check.floats("covariance", covariance)
-            side = round((covariance.size / n) ** 0.5) if n else 0
-            covariance = _rows("covariance", covariance.reshape(n, side, side), (n, None, None))
+        box = forms.to_ltwh("box", _rows("box", box, (n, 4)), box_format)
         if mask is not None:
             mask, mask_size = masks.columns(mask, mask_size, n)
+        position = _rows("position", position, (n, None))
+        d = None if position is None else position.shape[1]
+        covariance = _rows("covariance", covariance, (n, d, d))
+        if covariance is not None and covariance.shape[1] != covariance.shape[2]:
+            raise errors.shape("covariance", covariance.shape, f"({n}, d, d)")
         return cls_(
             times,
             ids,
@@ -179,7 +178,7 @@ class TrackTable:
             names,
             box=box,
             box_3d=_rows("box_3d", box_3d, (n, 7)),
-            position=_rows("position", position, (n, None)),
+            position=position,
             velocity=_rows("velocity", velocity, (n, None)),
             covariance=covariance,
             score=_rows("score", score, (n,), finite=False),
@@ -187,8 +186,10 @@ class TrackTable:
             mask=mask,
             mask_size=mask_size,
             other={
-                k: identities.labels(k, v, n) if _is_list(v) else v
-                for k, v in (other or {}).items()
+                name: column
+                if isinstance(column, np.ndarray)
+                else identities.labels(name, column, n)
+                for name, column in (other or {}).items()
             },
             counts_frames=counts_frames,
         )
@@ -318,24 +319,6 @@ _DATA = tuple(f.name for f in fields(TrackTable) if f.default is None and f.name
 def _array(values: Any) -> NDArray[Any]:
     array = np.asarray(values)
     return identities.labels("column", values) if array.dtype.kind in "USO" else array
-
-
-def _is_list(values: Any) -> bool:
-    return not isinstance(values, np.ndarray)
-
-
-def _times(values: Any) -> NDArray[Any]:
-    array = np.asarray(values)
-    if array.ndim != 1:
-        raise errors.shape("time", array.shape, "(N,)")
-    if len(array) and array.dtype == object:
-        array = np.array(values, dtype="datetime64[us]")
-    if len(array) and array.dtype.kind not in "iufmM":
-        raise TypeError(f"time must hold numbers or dates, got dtype {array.dtype}")
-    wrong = np.flatnonzero(~np.isfinite(array)) if len(array) else np.empty(0, dtype=np.intp)
-    if len(wrong):
-        raise ValueError(f"time[{wrong[0]}] is {array[wrong[0]]}, expected a finite time")
-    return array if len(array) else np.empty(0, dtype=np.int64)
 
 
 def _rows(

@@ -19,12 +19,9 @@ from trackmetrics.vessel.settings import (
     Floats,
     Settings,
 )
-from trackmetrics.vessel.simulation_check import check_fleet, check_simulation
+from trackmetrics.vessel.simulation_check import STEP, check_fleet, check_simulation
 from trackmetrics.vessel.to_log import write_log
 from trackmetrics.vessel.tracker import Tracker
-
-STEP = 10.0
-"""Seconds between two kicks of the true motion."""
 
 
 @dataclass(frozen=True)
@@ -164,12 +161,12 @@ def fleet(
 def _without_outages(
     rng: np.random.Generator,
     times: Floats,
-    outage_rate: int,
+    outages: int,
     outage_duration: float,
     duration: float,
 ) -> Floats:
     """Times without those in the gaps."""
-    for begin in rng.uniform(0, max(duration - outage_duration, 0), outage_rate):
+    for begin in rng.uniform(0, max(duration - outage_duration, 0), outages):
         times = times[(times <= begin) | (times > begin + outage_duration)]
     return times
 

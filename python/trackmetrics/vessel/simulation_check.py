@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from trackmetrics import _check, errors
+from trackmetrics.vessel.settings import REPORT_TYPES
 
 STEP = 10.0
-"""Shortest fleet in seconds: one step of the true motion."""
-REPORT_KINDS = 4
+"""Seconds between two kicks of the true motion; the shortest fleet is one step long."""
 
 
 def check_simulation(
@@ -60,7 +60,7 @@ def _check_ship(name: str, ship: Any, begin: float, end: float) -> None:
         raise errors.length(f"{name}.kinds", len(ship.kinds), "times", len(ship.times), "reports")
     for i, kind in enumerate(ship.kinds):
         if isinstance(kind, bool) or not 0 <= _check.whole(f"{name}.kinds[{i}]", kind) < (
-            REPORT_KINDS
+            len(REPORT_TYPES)
         ):
             raise ValueError(f"{name}.kinds[{i}] must be 0, 1, 2 or 3, got {kind!r}")
     for i, turn in enumerate(ship.turns):
