@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import trackmetrics.compat.motmetrics as mm
-from trackmetrics.compat.motmetrics import _pandas
+from trackmetrics._tables import data_frames
 
 pd = pytest.importorskip("pandas")
 
@@ -89,8 +89,8 @@ def test_ids_may_be_text_and_frames_are_built_once():
 
 def test_without_pandas_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ImportError, match=r"trackmetrics\[motmetrics\]"):
-        _pandas.pandas()
+    with pytest.raises(ImportError, match=r"trackmetrics\[pandas\]"):
+        data_frames.pandas()
 
 
 def test_merged_sequences_keep_their_ids_apart():

@@ -87,13 +87,19 @@ def to_unit_diagonal(covariances: Floats) -> Floats:
     return scaled
 
 
+def decorrelated(errors: Floats, covariances: Floats) -> Floats:
+    """``L^-1 e`` with ``P = L L'``: uncorrelated and of unit variance where P is right."""
+    lower = np.linalg.cholesky((covariances + np.swapaxes(covariances, -1, -2)) / 2)
+    white: Floats = np.linalg.solve(lower, errors[..., None])[..., 0]
+    return white
+
+
 def whitened(errors: Floats, covariances: Floats, valid: Mask) -> Floats:
-    """``L^-1 e`` with ``P = L L'``, both of the valid components; 0 in the others."""
+    """:func:`decorrelated` errors of the valid components, whatever their units; 0 elsewhere."""
     p = fill_missing_with_identity(covariances, valid)
     d = np.sqrt(p.diagonal(axis1=1, axis2=2))
     e = np.where(valid, errors, 0.0) / d
-    white: Floats = np.linalg.solve(np.linalg.cholesky(to_unit_diagonal(p)), e[..., None])[..., 0]
-    return white
+    return decorrelated(e, to_unit_diagonal(p))
 
 
 def quadratic_forms(errors: Floats, covariances: Floats) -> Floats:

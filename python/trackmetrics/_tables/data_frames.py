@@ -1,5 +1,6 @@
-"""Data frames of other libraries, opened by narwhals."""
+"""Data frames of other libraries: opened by narwhals, made by pandas."""
 
+from importlib import import_module
 from typing import Any
 
 
@@ -25,3 +26,15 @@ def as_float64(series: Any) -> Any:
     import narwhals
 
     return series.cast(narwhals.Float64).to_numpy()
+
+
+def pandas() -> Any:
+    """The module pandas, imported when a frame is first asked for."""
+    try:
+        return import_module("pandas")
+    except ModuleNotFoundError as error:
+        if error.name != "pandas":
+            raise
+        raise ModuleNotFoundError(
+            "this needs pandas: pip install 'trackmetrics[pandas]'", name="pandas"
+        ) from None

@@ -16,6 +16,7 @@ EXTRAS = {
     "jinja2": "report",
     "matplotlib": "report",
     "narwhals": "frames",
+    "pandas": "pandas",
     "plotly": "report",
     "polars": "files",
     "pyais": "ais",

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics import _check, _covariances, errors
+from trackmetrics import _check, errors
 from trackmetrics._check import Floats
 from trackmetrics.consistency.nees_nis import nis
 
@@ -69,11 +69,3 @@ def nees_check(e: Floats, p: Floats, vectors: str, covariances: str) -> Floats:
         if text.startswith(own):
             raise type(error)(covariances + text.removeprefix(own)) from None
         raise type(error)(vectors + text.removeprefix("innovation")) from None
-
-
-def whitened(e: Floats, p: Floats) -> Floats:
-    """``L^-1 e`` with ``P = L L'`` for errors and covariances of any number of leading axes."""
-    d = e.shape[-1]
-    covariances = p.reshape(-1, d, d)
-    valid = np.ones((len(covariances), d), bool)
-    return _covariances.whitened(e.reshape(-1, d), covariances, valid).reshape(e.shape)

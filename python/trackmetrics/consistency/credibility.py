@@ -6,7 +6,8 @@ import numpy as np
 
 from trackmetrics import _check, _distributions
 from trackmetrics._check import Floats
-from trackmetrics.consistency._input import components, errors_of_runs, nees_check, whitened
+from trackmetrics._covariances import decorrelated
+from trackmetrics.consistency._input import components, errors_of_runs, nees_check
 from trackmetrics.consistency.results import CredibilityIndex, SignificanceTest
 
 
@@ -119,14 +120,21 @@ def _log_ratios(errors: Any, covariances: Any, reference: str) -> Floats:
     if reference == "sample":
         # An error of exactly zero agrees with any covariance.
         with np.errstate(invalid="ignore"):
-            square = np.broadcast_to(_mean_square(e), (*e.shape, d)).copy()
-            ratio = claimed / nees_check(e, square, "errors", "the mean square error")
+            ratio = claimed / _forms_by_step(e, _mean_square(e))
         agreed: Floats = _distributions.DECIBELS * np.log(np.where(np.isfinite(ratio), ratio, 1.0))
         return agreed
     expected = _distributions.chi2_log_mean(d)
     with np.errstate(divide="ignore"):
         logs: Floats = _distributions.DECIBELS * (np.log(claimed) - expected)
     return logs
+
+
+def _forms_by_step(e: Floats, square: Floats) -> Floats:
+    """The forms of all runs in the mean square error of their step, each step by itself."""
+    d = e.shape[-1]
+    steps = zip(e.reshape(len(e), -1, d).swapaxes(0, 1), square.reshape(-1, d, d), strict=True)
+    forms = [nees_check(own, matrix, "errors", "the mean square error") for own, matrix in steps]
+    return np.stack(forms, axis=1).reshape(e.shape[:-1])
 
 
 def _mean_square(e: Floats) -> Floats:
@@ -179,7 +187,7 @@ def covariance_test(errors: Any, covariances: Any, *, confidence: float = 0.95) 
     _check.fraction("confidence", confidence)
     e, p = errors_of_runs(errors, covariances, runs=components(errors) + 1)
     count, d = len(e), e.shape[-1]
-    w = _mean_square(whitened(e, p))
+    w = _mean_square(decorrelated(e, p))
     factor = 1 - (2 * d * d + 3 * d - 1) / (6 * count * (d + 1))
     logarithm = np.linalg.slogdet(w)[1]
     statistic = factor * count * np.maximum(0.0, np.trace(w, axis1=-2, axis2=-1) - logarithm - d)
@@ -221,8 +229,9 @@ def bias_test(errors: Any, covariances: Any, *, confidence: float = 0.95) -> Sig
     """
     _check.fraction("confidence", confidence)
     e, p = errors_of_runs(errors, covariances)
-    mean = whitened(e, p).mean(0)
-    return _significance(len(e) * (mean * mean).sum(-1), e.shape[-1], confidence)
+    mean = decorrelated(e, p).mean(0)
+    statistic = ((len(e) * mean)[..., None, :] @ mean[..., :, None])[..., 0, 0]
+    return _significance(statistic, e.shape[-1], confidence)
 
 
 def hotelling_test(errors: Any, *, confidence: float = 0.95) -> SignificanceTest:
@@ -264,7 +273,8 @@ def hotelling_test(errors: Any, *, confidence: float = 0.95) -> SignificanceTest
     d = components(errors)
     e, _ = errors_of_runs(errors, np.eye(d), runs=d + 1)
     count = len(e)
-    sample = _mean_square(e - e.mean(0)) * (count / (count - 1))
+    centred = np.moveaxis(e - e.mean(0), 0, -1)
+    sample = centred @ centred.swapaxes(-1, -2) * (1 / (count - 1))
     form = nees_check(e.mean(0), sample, "errors", "the sample covariance")
     statistic = count * form * (count - d) / (d * (count - 1))
     p_value = _distributions.special().fdtrc(d, count - d, statistic)

@@ -7,7 +7,8 @@ import numpy as np
 
 from trackmetrics import _check, _distributions, errors
 from trackmetrics._check import Floats
-from trackmetrics.consistency._input import nees_check, whitened
+from trackmetrics._covariances import decorrelated
+from trackmetrics.consistency._input import nees_check
 from trackmetrics.consistency.results import WhitenessTest
 
 
@@ -99,7 +100,7 @@ def _whitened_run(innovations: Any, covariances: Any) -> Floats:
     if v.ndim < 2:
         raise errors.shape("innovations", v.shape, "(..., K, m)")
     nees_check(v, s, "innovations", "innovation_covariances")
-    return whitened(v, s)
+    return decorrelated(v, s)
 
 
 def _is_mixed(innovations: Any) -> bool:
@@ -122,7 +123,7 @@ def _whitened_mixed(innovations: Any, covariances: Any) -> Floats:
         v = np.atleast_1d(_check.floats(f"innovations[{k}]", v))
         s = np.atleast_2d(_check.floats(f"innovation_covariances[{k}]", s))
         nees_check(v, s, f"innovations[{k}]", f"innovation_covariances[{k}]")
-        row[: v.size] = whitened(v, s)
+        row[: v.size] = decorrelated(v, s)
     return u
 
 
@@ -188,7 +189,7 @@ def whiteness_across_runs(
     lag = _check.whole("lag", lag)
     if not 1 <= lag < count:
         raise errors.parameter("lag", f"between 1 and {count - 1}", lag)
-    u = whitened(v, s)
+    u = decorrelated(v, s)
     a, b = u[:, :-lag], u[:, lag:]
     size = np.sqrt((a * a).sum((0, 2)) * (b * b).sum((0, 2)))
     correlation = (a * b).sum((0, 2)) / np.where(size > 0, size, 1.0)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmetrics._tables.data_frames import as_float64, opened
+from trackmetrics._tables.data_frames import as_float64, opened, pandas
 from trackmetrics._tables.errors import value
 from trackmetrics._tables.polars_columns import data_frame, need_polars, polars, to_array
 from trackmetrics.logs.serialization import by_element
@@ -22,9 +22,7 @@ def read(frame: Any) -> dict[str, Any]:
 def write(columns: Mapping[str, Any], library: str) -> Any:
     """A data frame of the columns; pandas, which has no lists, gets them element by element."""
     if library == "pandas":
-        import pandas
-
-        return pandas.DataFrame(by_element(columns))
+        return pandas().DataFrame(by_element(columns))
     if library not in LIBRARIES:
         raise ValueError(f"library must be one of {', '.join(LIBRARIES)}, got {value(library)}")
     need_polars("to_frame")

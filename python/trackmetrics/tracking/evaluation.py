@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmetrics import _progress
+from trackmetrics._tables.data_frames import pandas
 from trackmetrics.results import Result, to_json
 from trackmetrics.tracking.clear_mot import CLEARMOT, clear_of_matches, combine_clear
 from trackmetrics.tracking.event_log import Columns, event_log, object_rows, track_rows
@@ -70,9 +71,7 @@ class Evaluation(Result):
 
     def to_pandas(self, table: str = "events") -> Any:
         """``"events"``, ``"objects"`` or ``"tracks"`` as a pandas data frame."""
-        import pandas
-
-        return pandas.DataFrame(self._table(table))
+        return pandas().DataFrame(self._table(table))
 
     def to_polars(self, table: str = "events") -> Any:
         """``"events"``, ``"objects"`` or ``"tracks"`` as a Polars data frame; ids of mixed kinds

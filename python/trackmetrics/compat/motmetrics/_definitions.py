@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from trackmetrics._tables.data_frames import pandas
 from trackmetrics.compat.motmetrics import _events
 from trackmetrics.compat.motmetrics._frame_map import DataFrameMap
 from trackmetrics.compat.motmetrics._identity import IdentityAssignment, IdentityCounts
-from trackmetrics.compat.motmetrics._pandas import pandas
 from trackmetrics.compat.motmetrics.math_util import quiet_divide
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmetrics.compat.motmetrics._pandas import pandas
+from trackmetrics._tables.data_frames import pandas
 
 TYPES = ("RAW", "FP", "MISS", "SWITCH", "MATCH", "TRANSFER", "ASCEND", "MIGRATE")
 """The types of events, in the order of the categories."""

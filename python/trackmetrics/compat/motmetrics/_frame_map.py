@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._tables.data_frames import pandas
 from trackmetrics.compat.motmetrics import _events
-from trackmetrics.compat.motmetrics._pandas import pandas
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from trackmetrics._tables.data_frames import pandas
 from trackmetrics.assignment import linear_sum_assignment
 from trackmetrics.compat.motmetrics import lap
 from trackmetrics.compat.motmetrics._frame_map import DataFrameMap
-from trackmetrics.compat.motmetrics._pandas import pandas
 
 Codes = NDArray[np.int64]
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from trackmetrics._tables.data_frames import pandas
 from trackmetrics.compat.motmetrics._events import empty_events_frame
-from trackmetrics.compat.motmetrics._pandas import pandas
 
 
 def merge_frames(

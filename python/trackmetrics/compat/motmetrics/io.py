@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.io import loadmat
 
-from trackmetrics.compat.motmetrics._pandas import pandas
+from trackmetrics._tables.data_frames import pandas
 
 _COLUMNS = ["X", "Y", "Width", "Height", "Confidence", "ClassId", "Visibility"]
 _SEPARATORS = r"\s+|\t+|,"

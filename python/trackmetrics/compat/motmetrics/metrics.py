@@ -5,6 +5,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from trackmetrics._tables.data_frames import pandas
 from trackmetrics.compat.motmetrics._definitions import (
     MERGES,
     METRICS,
@@ -42,7 +43,6 @@ from trackmetrics.compat.motmetrics._definitions import (
 )
 from trackmetrics.compat.motmetrics._frame_map import DataFrameMap, events_to_df_map
 from trackmetrics.compat.motmetrics._identity import extract_counts_from_df_map
-from trackmetrics.compat.motmetrics._pandas import pandas
 from trackmetrics.compat.motmetrics.mot import MOTAccumulator
 
 __all__ = [

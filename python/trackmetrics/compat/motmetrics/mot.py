@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmetrics._tables.data_frames import pandas
 from trackmetrics.compat.motmetrics import _events, lap
 from trackmetrics.compat.motmetrics._merging import merge_frames, renamed_counts
-from trackmetrics.compat.motmetrics._pandas import pandas
 
 Row = tuple[int, int, int, float]
 """Type, object's index, hypothesis' index (-1 for none) and distance of one event."""
